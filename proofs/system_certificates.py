@@ -597,8 +597,9 @@ def find_system_difference(file: str, system: SwitchedSystem) -> str:
     """
     data, _ = read(file)
     subject = data["statement"]["subject"]
-    order = subject.get("order", 0)  # of sines and cosines, which a check chooses
-    system = with_order(system, order) if system.waves and order != system.order else system
+    order = subject.get("order", 0)  # of sines and cosines, which a check chooses where there are no roots
+    if system.waves and system.by_roots is None and order != system.order:
+        system = with_order(system, order)
     differences = [_difference(about(own), subject) or _of_others_alone(data, own) for own in subjects_of(system)]
     return differences[0] if all(differences) else ""
 

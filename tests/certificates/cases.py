@@ -428,6 +428,12 @@ def systems_with_roots() -> Iterator[Case]:
     yield Case("root-drift", drift, "departure", {"cells": cells("root_x"), "direction": ["1"]})
 
 
+def sines_beside_roots() -> Iterator[Case]:
+    """The sine of a state that is judged in its root."""
+    about = {**subject(["-sign(x)*sqrt(Abs(x)) + sin(x)"]), "roots": ["x"], "order": 0}
+    yield Case("root-sines", about, "lyapunov", lyapunov("root_x**2", cells("root_x", within="1/2")))
+
+
 def homogeneous_systems() -> Iterator[Case]:
     """What holds near the point holds everywhere; of negative degree solutions arrive."""
     third = {"roots": ["x"], "orders": [3]}
@@ -728,6 +734,7 @@ GROUPS = (
     cascades,
     slides,
     basins_in_space,
+    sines_beside_roots,
 )
 
 

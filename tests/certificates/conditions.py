@@ -15,7 +15,7 @@ from typing import Any
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.kernel.search import Search
 from tests.certificates.corpus import good_certificates
-from tests.certificates.forgeries import Forgery, Path, Record
+from tests.certificates.forgeries import GONE, Forgery, Path, Record
 
 PLAIN: Record = {"mixture": [{}]}  # evidence of what holds with no guard
 ON_PARTS: Record = {"simplices": [{}, {}]}  # the same in one state, on both halves of the cube, or of the line
@@ -691,7 +691,7 @@ def of_circles() -> Iterator[Forgery]:
     yield turns("no other functions than sines and cosines on circles", "sin(x) + 0*tanh(y)")
     yield turns("formulas in the states", "-sin(x) + 0*sin_x")
     yield turns("a V that is zero at the point", "1", {"V ": PLAIN, "cell  field 0": PLAIN}, "1")
-    yield turns("no roots beside angles", "-sin(x)", roots=["x"])
+    yield turns("no roots beside angles", "-sin(x)", roots=["x"], order=0)
     yield turns("angles that are 0 at the point", "-sin(x)", at=["1"])
     none: Record = {"angles": [], "cells": cube("1"), "function": "x**2"}
     words = "angles that are different states"
@@ -887,6 +887,9 @@ def of_names_of_roots() -> Iterator[Forgery]:
     yield replace(first, because="roots of an order of two at least")
     other = (["statement", "subject", "rhs", 0, 0], "-sign(x)*Abs(x)**(1/2) + 2*x")
     yield replace(first, changes=(other,), because="powers of the roots that are listed")
+    unordered: Any = (["statement", "subject", "order"], GONE)
+    because = "an order of sines and cosines beside roots"
+    yield Forgery("one condition", "root-sines", (unordered,), because=because)
     subject = {"states": ["x"], "rhs": [["1 - sqrt(Abs(x))"]], "at": ["2"], "roots": ["x"]}
     cells = {"within": "1/2", "surfaces": ["root_x + 1"], "empty": ["-"]}
     proofs = {"V .": ON_PARTS, "cell + field 0": ON_PARTS, "empty -": PLAIN}

@@ -160,7 +160,6 @@ BAD = [
     ("-Abs(x)**(1/5) - Abs(x)**(1/7)", "with a common denominator up to 8"),
     ("-Abs(x)**sqrt(2)", "an integer exponent"),
     ("-Abs(x)**y", "an integer exponent"),
-    ("sin(Abs(x)**(1/3))", "atan and exp of states without a square root"),
 ]
 
 
