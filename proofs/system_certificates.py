@@ -19,7 +19,7 @@ from typing import Any
 from nonsmooth.proofs.checker.basin import NAMES
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.files import read
-from nonsmooth.proofs.checker.parts import roots_of
+from nonsmooth.proofs.checker.parts import CONTINUOUS, roots_of
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
@@ -330,7 +330,14 @@ def by_parts(parts: Parts, system: System) -> Draft:
             listed[k]["carried"] = True
         for k in parts.jumping:
             listed[k]["jumps"] = True
-        entry, statements = Search().entry(system, "cascade", {"parts": listed})
+        try:
+            entry, statements = Search().entry(system, "cascade", {"parts": listed})
+        except NotShownError:
+            if not parts.jumping:
+                raise
+            for k in parts.jumping:
+                listed[k]["jumps"] = CONTINUOUS
+            entry, statements = Search().entry(system, "cascade", {"parts": listed})
     else:
         hypotheses = {"cells": slide.cells, "surface": slide.number, "state": slide.state, "entry": entries[0]}
         entry, statements = Search().entry(system, "sliding", hypotheses)

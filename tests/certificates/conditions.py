@@ -625,12 +625,15 @@ def of_parts() -> Iterator[Forgery]:
     relay_falls = {**entry("")["hypotheses"], "cells": {**cube("1"), "surfaces": ["y"]}, "function": "y**2"}
     alone = {"states": ["y"], "rhs": [["-2*sign(y)"]], "at": ["0"]}
     pulled = ["y"], Search().entry(read_subject(alone), "lyapunov", relay_falls)[0]
-    jumps: Record = {"jumps": True}
+    jumps, continuous = {"jumps": True}, {"jumps": "continuous"}
     for because, side, driven, more in (
         ("jumps with forms of first degree in the states of a part", "2*y*sign(x)**2 - y", y, jumps),
         ("jumps with forms of first degree in the states of a part", "-2*sign(y + sign(x))", pulled, jumps),
         ("jumps with forms of first degree in the states of a part", "-2*sign(y - 3*y*sign(x)**2)", pulled, jumps),
+        ("jumps with forms of first degree in the states of a part", "-2*sign(y + Max(x, y)/2)", pulled, continuous),
+        ("surfaces without switching", "-2*sign(y + sat(x, -1, 1))", pulled, jumps),
         ("jumps with forms whose gradients are independent", "-sign(y) - sign(y + x)", pulled, jumps),
+        ("jumps with forms whose gradients are independent", "-sign(y) - sign(y + sat(x, -1, 1))", pulled, continuous),
         (
             "jumps with forms whose gradients are independent",
             "-sign(y + 1.0*x) - sign(y + 1.00000000000000000001*x)",
@@ -638,6 +641,7 @@ def of_parts() -> Iterator[Forgery]:
             jumps,
         ),
         ("parts that jump with others, and are not carried", "-2*sign(y + x)", pulled, {"jumps": False}),
+        ("parts that jump with others, and are not carried", "-2*sign(y + x)", pulled, {"jumps": 1}),
         ("parts that jump with others, and are not carried", "-2*sign(y + x)", pulled, {**jumps, "carried": True}),
     ):
         yield forged(because, ATTRACTS, ["-x", side], "cascade", with_last(parts(x, driven), more))

@@ -67,6 +67,8 @@ CASCADES = {
     "roots elsewhere": (["-sqrt(Abs(x))*sign(x)", "2 - y + Abs(x)**(1/3) - sign(y - 2)"], [0, 2], ATTRACTS),
     "stable ones drive what leaves": (["y", "-x", "z**3 + x"], None, LEAVES),
     "sliding modes on what an observer says": ([*SUPER_TWISTING, "-z - sign(z + y)"], None, ATTRACTS),
+    "and on roots of it": ([*SUPER_TWISTING, "-z - sign(z + sqrt(Abs(x))*sign(x) - Abs(y))"], None, ATTRACTS),
+    "and on what is saturated": (["-(x - 2)**3", "1 - y - sign(y - 1 - sat(x - 2, -1, 3))"], [2, 1], ATTRACTS),
     "a relay that is pushed away": (["-x**3", "y**3 + sign(y + x)"], None, LEAVES),
     "two relays beside a cube": (
         ["-x**3", "-2*sign(y + x) - sign(z - x)", "sign(y + x) - sign(z - x)"],
@@ -166,6 +168,9 @@ NOTHING = [
     (["y", "-x + z", "-z**3"], decide_by_cascade),
     (["-x**3", "-sign(y + x) - sign(y - x)"], decide_by_cascade),  # both signs of the sum of forms that meet
     (["-x**3", "-sign(y**3 + x)"], decide_by_cascade),
+    (["-x**3", "-sign(y) - sign(y + sat(x, -1, 1))"], decide_by_cascade),
+    (["-x**3", "-sign(y + Max(x, y)/2)"], decide_by_cascade),
+    ([*SUPER_TWISTING, "-sign(z + sat(sign(y), -1, 1))"], decide_by_cascade),
     (["y", "sign(x + y)"], decide_by_sliding),
     (["2*x*sign(y)**2 - x", "-sign(y)"], decide_by_sliding),
     (["x", "-sign(x + y**3)"], decide_by_sliding),
@@ -218,8 +223,8 @@ def random_cascade(source: random.Random) -> list[str]:
     falls = [source.choice(["-{}**3", "-sign({})", "-{}", "-{}*Abs({})", "{}", root]) for _ in range(3)]
     drives = [
         "0",
-        source.choice(["x", "x**2", "y*x", "Abs(x)", "sqrt(Abs(x))", "-2*sign(y + x)"]),
-        source.choice(["y", "x*z", "z**2*x", "sat(y, -1, 1)", "sign(z - 2*y + x)", "-2*sign(z + x*y)"]),
+        source.choice(["x", "x**2", "y*x", "Abs(x)", "sqrt(Abs(x))", "-2*sign(y + x)", "-2*sign(y + sat(x, -1, 1))"]),
+        source.choice(["y", "x*z", "z**2*x", "sat(y, -1, 1)", "sign(z - 2*y + x)", "-2*sign(z + Max(x, -1)*y)"]),
     ]
     pairs = zip("xyz", zip(falls, drives, strict=True), strict=True)
     return [f"{fall.format(name, name)} + {drive}" for name, (fall, drive) in pairs]
