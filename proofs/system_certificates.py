@@ -307,8 +307,12 @@ def by_parts(parts: Parts, system: System) -> Draft:
     Raises:
         NotShownError: where one of them has no certificate.
     """
+    results = list(parts.results)
+    for k in parts.carried:  # by a V that does not increase, also where more is known of orbits
+        by_function = tuple(own for own in results[k].findings if own.theorem is Method.LYAPUNOV)
+        results[k] = replace(results[k], findings=by_function or results[k].findings)
     try:
-        known = [certificate_of(own) for own in parts.results]
+        known = [certificate_of(own) for own in results]
     except NoCertificateError as error:
         raise NotShownError(f"a part has no certificate: {error}") from None
     entries = [

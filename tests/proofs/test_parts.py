@@ -15,9 +15,12 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.switched_cells import square_regions
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.curved_regions import is_empty
-from nonsmooth.proofs.system_certificates import certificate_of
+from nonsmooth.proofs.kernel_strategies import decide_by_symmetry
+from nonsmooth.proofs.parts import Parts
+from nonsmooth.proofs.system_certificates import by_parts, certificate_of
 from nonsmooth.proofs.system_decision import (
     StabilityResult,
     checked_point,
@@ -26,6 +29,7 @@ from nonsmooth.proofs.system_decision import (
     decide_system,
 )
 from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Method, Reach
+from nonsmooth.proofs.systems.system_stability import PlanePoint, decide_by_stated_function
 from nonsmooth.reports.exchange.obligations import obligations_of
 from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
@@ -34,6 +38,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 from tests.certificates.inclusion import contradiction
 from tests.oracles.floats import value
+from tests.plain import built
 from tests.thorough import but, few, keep
 
 # ---- Cascades, and surfaces on which solutions slide: systems that are decided by some of their states.
@@ -114,6 +119,19 @@ def require_shown(decide: Decide, case: tuple[list[str], list[int] | None, Trans
     assert found is not None
     assert (found.verdict, found.theorem) == (truth, method)
     assert {"stability": str(truth)} in certificate_of(decided_by(point, found))["statement"]["claims"]
+
+
+def test_a_part_is_carried_by_its_function_though_its_orbits_are_known_to_close() -> None:
+    spring = PlanePoint(built(["y", "-x*Abs(x)"], lyapunov="y**2/2 + x**2*Abs(x)/3"))
+    weak, closed = decide_by_stated_function(spring), decide_by_symmetry(spring)
+    assert weak is not None
+    assert closed is not None
+    findings = weak, closed
+    rests = StabilityResult(spring.system, spring.equilibrium, findings, None, Reach())
+    drives = decide_system(built(["-z"], states="z"))
+    whole = read_subject({"states": list("xyz"), "rhs": [["y", "-x*Abs(x) + z", "-z"]], "at": ["0"] * 3})
+    draft = by_parts(Parts((drives, rests), carried=frozenset([1])), whole)
+    assert draft.statements == [{"stability": "stable"}]
 
 
 @few(1)
