@@ -19,7 +19,7 @@ from typing import Any
 from nonsmooth.proofs.checker.basin import NAMES
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.files import read
-from nonsmooth.proofs.checker.parts import roots_of
+from nonsmooth.proofs.checker.parts import CONTINUOUS, roots_of
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
@@ -307,8 +307,12 @@ def by_parts(parts: Parts, system: System) -> Draft:
     Raises:
         NotShownError: where one of them has no certificate.
     """
+    results = list(parts.results)
+    for k in parts.carried:  # by a V that does not increase, also where more is known of orbits
+        by_function = tuple(own for own in results[k].findings if own.theorem is Method.LYAPUNOV)
+        results[k] = replace(results[k], findings=by_function or results[k].findings)
     try:
-        known = [certificate_of(own) for own in parts.results]
+        known = [certificate_of(own) for own in results]
     except NoCertificateError as error:
         raise NotShownError(f"a part has no certificate: {error}") from None
     entries = [
@@ -330,7 +334,14 @@ def by_parts(parts: Parts, system: System) -> Draft:
             listed[k]["carried"] = True
         for k in parts.jumping:
             listed[k]["jumps"] = True
-        entry, statements = Search().entry(system, "cascade", {"parts": listed})
+        try:
+            entry, statements = Search().entry(system, "cascade", {"parts": listed})
+        except NotShownError:
+            if not parts.jumping:
+                raise
+            for k in parts.jumping:
+                listed[k]["jumps"] = CONTINUOUS
+            entry, statements = Search().entry(system, "cascade", {"parts": listed})
     else:
         hypotheses = {"cells": slide.cells, "surface": slide.number, "state": slide.state, "entry": entries[0]}
         entry, statements = Search().entry(system, "sliding", hypotheses)
@@ -597,8 +608,9 @@ def find_system_difference(file: str, system: SwitchedSystem) -> str:
     """
     data, _ = read(file)
     subject = data["statement"]["subject"]
-    order = subject.get("order", 0)  # of sines and cosines, which a check chooses
-    system = with_order(system, order) if system.waves and order != system.order else system
+    order = subject.get("order", 0)  # of sines and cosines, which a check chooses where there are no roots
+    if system.waves and system.by_roots is None and order != system.order:
+        system = with_order(system, order)
     differences = [_difference(about(own), subject) or _of_others_alone(data, own) for own in subjects_of(system)]
     return differences[0] if all(differences) else ""
 

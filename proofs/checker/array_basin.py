@@ -154,7 +154,8 @@ class Core:
         while following.get(chain[-1]) not in (None, chain[0]):
             require(len(chain) < len(below), "one polygon in which bodies end")
             chain.append(following[chain[-1]])
-        require(len(chain) == len(below), "one polygon in which bodies end")
+        closed = following.get(chain[-1]) == chain[0]
+        require(closed and len(chain) == len(below), "one polygon in which bodies end")
         self.numbers, self.places = chain, mesh.corners(chain)
 
     @cached_property

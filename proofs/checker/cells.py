@@ -90,8 +90,15 @@ class System:
             for ends in product((0, 1), repeat=sum(counts)):
                 rest = iter(ends)
                 own = [[next(rest) for _ in range(count)] for count in counts]
-                found.append([Formula(text, place, e, wave) for text, e in zip(side, own, strict=True)])
+                listed = zip(self.states, side, own, strict=True)
+                found.append([self.formula(state, text, place, e, wave) for state, text, e in listed])
         return found
+
+    def formula(
+        self, state: str, data: str, place: Mapping[str, Polynomial], ends: Sequence[int], wave: WaveAt
+    ) -> Formula:
+        """The formula of the velocity of a state at a place, with sines and cosines at ends of what they may be."""
+        return Formula(data, place, ends, wave)
 
     def show_equivalent(self, inclusion: Inclusion) -> None:
         """Solutions in the coordinates are those of the states: nothing needs to be shown."""

@@ -6,7 +6,8 @@ velocities of the states that are left, beside a place where the others are so, 
 there, and to no others; and what tends to a place of a set that is closed and convex at each place, and upper
 semicontinuous, is in it.  A part of a cascade may also *jump* with what is replaced, where this leaves of the arguments
 of all its jumps forms of first degree whose gradients are independent: then any signs of those that vanish at a place
-are met beside it in the smaller system, too, so that velocities tend to no others.
+are met beside it in the smaller system, too, so that velocities tend to no others.  Beside that the arguments may hold
+whatever is continuous in what is replaced, and is a number where that is at the point: roots, ``Abs``, ``sat``.
 
 *Cascade.*  The states are listed in parts, and the right-hand sides of each hold no states of later ones.  Each part is
 judged with the earlier ones at the point.  If all are asymptotically stable so is the whole; it is stable if each part
@@ -51,11 +52,11 @@ from .cells import Inclusion, System, no_switching, require_formulas
 from .centres import show_integral, show_reversible
 from .choice import show_choice
 from .escape import show_escape
-from .formulas import Formula, WaveAt, parsed
+from .formulas import Formula, WaveAt, parsed, series
 from .homogeneous import show_homogeneous
 from .polynomials import Coefficient, Polynomial, constant, lie_derivative, solve, variable
 from .positivity import Proofs
-from .roots import RootedSystem, read_roots
+from .roots import RootedFormula, RootedSystem, read_roots
 from .theorems import (
     ASYMPTOTICALLY_STABLE,
     STABLE,
@@ -68,6 +69,9 @@ from .theorems import (
 from .work import items, require, take, text, whole
 
 Place: TypeAlias = Mapping[str, Polynomial]
+
+CONTINUOUS = "continuous"  # of a part that jumps with formulas that are no polynomials in the states of others
+OF_FIRST_DEGREE = "jumps with forms of first degree in the states of a part"
 
 
 @dataclass(frozen=True)
@@ -148,18 +152,35 @@ def require_continuous(system: System, part: Part, known: set[str]) -> None:
             require(not depends_on(system, call) & known, "formulas that are continuous in what is replaced")
 
 
-def require_crossing(part: Part) -> None:
-    """What the formulas of a part jump with is of first degree in its states, with independent gradients."""
+def require_crossing(part: Part, *, continuous: bool) -> None:
+    """What the formulas of a part jump with is of first degree in its states, with independent gradients.
+
+    Args:
+        part: with the states of others as numbers.
+        continuous: whether arguments may switch between formulas of such numbers, and hold roots of these; else they
+            are polynomials.
+    """
     count = part.count
     pairs = zip(part.states, part.at, strict=True)
     numbers = {name: constant(count, number) for name, number in part.numbers.items()}
     place = {name: variable(count, k) + constant(count, at) for k, (name, at) in enumerate(pairs)}
     known = part.whole(place | numbers)
     calls = {ast.unparse(call.args[0]) for tree in trees(part) for call in jumps(tree)}
-    forms = [Formula(own, known).on(no_switching) for own in sorted(calls)]
-    require(all(form.degree == 1 for form in forms), "jumps with forms of first degree in the states of a part")
+    forms = [
+        RootedFormula(own, known, (), series, {}, ()).on(sign_of_number)
+        if continuous
+        else Formula(own, known).on(no_switching)
+        for own in sorted(calls)
+    ]
+    require(all(form.degree == 1 for form in forms), OF_FIRST_DEGREE)
     common = solve([form - constant(count, form.at_origin) for form in forms], count) or ()
     require(len(forms) == count - common[0].count, "jumps with forms whose gradients are independent")
+
+
+def sign_of_number(value: Polynomial) -> int:
+    """The sign of a polynomial that is a number other than zero."""
+    require(not value.degree, OF_FIRST_DEGREE)
+    return 1 if value.at_origin > 0 else -1
 
 
 def trees(system: System) -> Iterator[ast.expr]:
@@ -247,8 +268,9 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
         if jumping is None:
             require_continuous(system, part, set(known))
         else:
-            require(jumping is True and carried is None, "parts that jump with others, and are not carried")
-            require_crossing(part)
+            known_word = jumping is True or jumping == CONTINUOUS
+            require(known_word and carried is None, "parts that jump with others, and are not carried")
+            require_crossing(part, continuous=jumping == CONTINUOUS)
         drivers = set[str]().union(*(depends_on(system, tree) for tree in trees(part))) & set(known)
         alone, shown = not drivers, shown_of(part, entry, proofs)
         verdict = stability_in(shown)

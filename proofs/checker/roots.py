@@ -4,7 +4,7 @@ Each of these states has its order ``q >= 2``; ``sqrt(Abs(x))`` is ``Abs(x)**(1/
 and ``Abs(x)**(p/q) = Abs(w)**p`` formulas are polynomials in w on each cell, and ``x' = f`` is
 ``q Abs(w)**(q - 1) w' = f``.  In the time s with ``dt = prod_j q_j Abs(w_j)**(q_j - 1) ds`` over all roots the root of
 a state moves by f times the factors of the other roots, and any other state by its f times all factors: polynomials
-again.
+again.  What a sine is of is a polynomial in w on each cell, too, so it is bounded as without roots (:mod:`.formulas`).
 
 *Why this says something of the states.*  The roots are a homeomorphism, and off their zeros a diffeomorphism; there the
 factors are positive, so solutions in t and in s are the same curves.  Where a root is zero, but at the point, all
@@ -80,14 +80,17 @@ class RootedSystem(System):
         return replace(self, scaled=False)
 
     def fields(self, place: Mapping[str, Polynomial], wave: WaveAt | None = None) -> Sequence[Sequence[Formula]]:
-        """The formulas of the velocities, without sines and cosines."""
+        """The formulas of the velocities."""
         require(wave is None, "no roots where sines and cosines are bounded")
-        own = {name: Root(place[f"root_{name}"], order) for name, order in self.roots.items()}
-        found = []
-        for side in self.rhs:
-            factors = ([name for name in self.roots if name != state] if self.scaled else [] for state in self.states)
-            found.append([RootedFormula(text, place, own, names) for text, names in zip(side, factors, strict=True)])
-        return found
+        return super().fields(place)
+
+    def formula(
+        self, state: str, data: str, place: Mapping[str, Polynomial], ends: Sequence[int], wave: WaveAt
+    ) -> Formula:
+        """The formula of the velocity of a state, or of its root."""
+        roots = {name: Root(place[f"root_{name}"], order) for name, order in self.roots.items()}
+        factors = [name for name in roots if name != state] if self.scaled else []
+        return RootedFormula(data, place, ends, wave, roots, factors)
 
     def show_equivalent(self, inclusion: Inclusion) -> None:
         """Solutions cross all zeros of roots, where velocities are those of the roots."""
@@ -99,9 +102,11 @@ def read_subject(data: Any) -> System:
     """The system that a certificate is about, with roots or without."""
     if type(data) is not dict or "roots" not in data:
         return read_system(data)
-    states, rhs, at, listed, given, numbers = take(data, "states rhs at roots", "orders numbers")
-    own = read_system({"states": states, "rhs": rhs, "at": at, "numbers": [] if numbers is None else numbers})
-    system = RootedSystem(own.states, own.rhs, own.at, own.numbers, roots=read_roots(listed, given, own.states))
+    states, rhs, at, listed, given, numbers, order = take(data, "states rhs at roots", "orders numbers order")
+    stated = {"states": states, "rhs": rhs, "at": at, "numbers": [] if numbers is None else numbers, "order": order}
+    own = read_system(stated)
+    system = RootedSystem(**vars(own), roots=read_roots(listed, given, own.states))
+    require(order is not None or not any(map(any, system.waves)), "an order of sines and cosines beside roots")
     require(len(set(system.coordinates)) == system.count, "names of roots that are no states")
     require(not set(system.coordinates) & set(own.numbers), "names of numbers that are no roots")
     return system
@@ -155,9 +160,15 @@ class RootedFormula(Formula):
     """A right-hand side in the signed roots, times the factors ``q Abs(w)**(q - 1)`` of some of them."""
 
     def __init__(
-        self, data: Any, place: Mapping[str, Polynomial], roots: Mapping[str, Root], factors: Sequence[str]
+        self,
+        data: Any,
+        place: Mapping[str, Polynomial],
+        ends: Sequence[int],
+        wave: WaveAt,
+        roots: Mapping[str, Root],
+        factors: Sequence[str],
     ) -> None:
-        super().__init__(data, place)
+        super().__init__(data, place, ends, wave)
         known = [root.value for root in roots.values()]
         self.states = {name: own for name, own in place.items() if own not in known}
         self.roots, self.factors = roots, factors

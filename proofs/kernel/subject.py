@@ -112,9 +112,10 @@ def _with_roots(system: SwitchedSystem, by_roots: SeenByRoots) -> Record:
         rhs = [[one_line(formula) for formula in member] for member in system.written]
     known = {"states": list(roots.states), "rhs": rhs, "at": list(map(exact_text, system.stated_point))}
     orders = {"orders": list(roots.orders)} if set(roots.orders) != {2} else {}
+    order = {"order": system.order} if system.waves else {}
     irrational = list(_irrational_numbers(system))
     _, named = _named_numbers(irrational, system) if irrational else (None, {})
-    return {**known, "roots": list(roots.rooted), **orders, **named}
+    return {**known, "roots": list(roots.rooted), **orders, **order, **named}
 
 
 def _irrational_numbers(system: SwitchedSystem) -> Iterator[Number]:

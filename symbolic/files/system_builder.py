@@ -30,7 +30,7 @@ from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
 from nonsmooth.symbolic.formulas.enclosed_functions import LISTED, TURNING, has_waves
 from nonsmooth.symbolic.formulas.expression import ExpressionError, formula_refused, parse, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in, refuse_waves_of_rooted, signed_root
+from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in, signed_root
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
@@ -254,9 +254,6 @@ def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
             for name, order in orders_in(formula, states, texts).items():
                 found[name] = lcm(found.get(name, 1), order)
     rooted = tuple(name for name in states if name in found)
-    for key, formula in _keyed_formulas(document):
-        with formula_refused(file, key, formula):
-            refuse_waves_of_rooted(formula, rooted)
     roots = SignedRoots(states, rooted, tuple(found[name] for name in rooted), tuple(texts.items()))
     for name in {*states, *document.system.parameters} & set(roots.names.values()):
         raise SceneError(file, "system.states", "a name that is not that of a square root", name)
@@ -275,7 +272,10 @@ def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path
         stated, expected = dict(_keyed_formulas(document)), error.expected
         for name, root in roots.names.items():
             expected = expected.replace(root, name)
-        raise SceneError(error.file, error.key, expected, stated.get(error.key, error.value)) from None
+        received = stated.get(error.key, error.value)
+        if any(root in str(received) for root in roots.names.values()):
+            received = StatedFact(f"{received} with {', '.join(roots.meanings)}")
+        raise SceneError(error.file, error.key, expected, received) from None
     lists = extended.written or tuple(tuple(side.text for side in m.rhs) for m in extended.members)
     written = tuple(tuple(map(roots.restored, part[: len(roots.states)])) for part in lists)
     unscaled = replace(seen, rhs=unscaled.rhs, others=unscaled.others)  # over the same number field

@@ -20,7 +20,6 @@ from typing import Any, NamedTuple
 
 from flint import fmpz
 
-from nonsmooth.symbolic.formulas.enclosed_functions import LISTED, WAVES, has_waves
 from nonsmooth.symbolic.formulas.expression import ExpressionError, parse, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
 from nonsmooth.symbolic.messages.scene_error import shown
@@ -185,21 +184,6 @@ def orders_in(formula: object, states: Sequence[str], parameters: Mapping[str, s
             raise ExpressionError(f"required {expected}, received {shown(text)}")
         found[str(name)] = order
     return found
-
-
-def refuse_waves_of_rooted(formula: object, rooted: Sequence[str]) -> None:
-    """Refuse sines and cosines of states that stand under a root: they are no polynomials of it on both sides of zero.
-
-    Raises:
-        ExpressionError: for such a formula.
-    """
-    if not has_waves(formula):
-        return
-    text, tree = parse_tree(formula, MAX_TEXT, "a formula")
-    for node in ast.walk(tree):
-        if any(_is_call(node, kind) for kind in WAVES) and _names(node) & set(rooted):
-            expected = f"{LISTED} of states without a square root, as {', '.join(rooted)} stands under sqrt(Abs())"
-            raise ExpressionError(f"required {expected}, received {shown(text)}")
 
 
 def _places(tree: ast.AST, text: str, rooted: Sequence[str], parameters: Mapping[str, str]) -> Iterator[StatePower]:

@@ -32,13 +32,14 @@ def write(*, arrays_only: bool) -> None:
     Raises:
         ValueError: where a good certificate is rejected, or a forged one is accepted.
     """
-    forged_anyway = [] if arrays_only else [*texts(), *conditions()]  # some are made from good ones
+    of_arrays = [*array_texts(), *array_conditions()]  # some are made from good ones, which are deleted below
+    forged_anyway = [] if arrays_only else [*texts(), *conditions()]
     GOOD.mkdir(exist_ok=True)
     for old in GOOD.glob(f"{PREFIX}*.json" if arrays_only else "*.json"):
         old.unlink()
     if not arrays_only:
         write_part(((case.name, case.certificate()) for case in cases()), BAD, KINDS, forged_anyway, EACH)
-    write_part(array_certificates(), BAD_ARRAYS, ARRAY_KINDS, [*array_texts(), *array_conditions()], EACH_ARRAY)
+    write_part(array_certificates(), BAD_ARRAYS, ARRAY_KINDS, of_arrays, EACH_ARRAY)
 
 
 def write_part(

@@ -17,6 +17,12 @@ from tests.certificates.forgeries import CLAIMS, GONE, HYPOTHESES, PROOFS, SUBJE
 FOUR, BOX, OUTWARD = "four-wheel-nearest", "four-wheel-box", "outward-box"
 FAILS: Record = {"feedback": "no certificate", "theorem 4": "fails"}
 
+# A mesh of four wheels with sides below the level 1 that do not close: from corner 4 over 0, 1 and 2 to 3.
+OPEN: Record = {
+    "corners": ["-4 -2 0", "0 -4 0", "4 1 0", "0 4 1", "-14 -3 1", "-8 -6 1", "-4 -8 1", "6 -8 1", "14 2 1"],
+    "triangles": ["0 6 1", "0 4 5", "0 5 6", "1 6 7", "1 7 2", "2 7 8", "2 8 3"],
+}
+
 
 def of_array(because: str, name: str, claims: Record, *changes: tuple[Path, Any]) -> Forgery:
     """A certificate of the corpus with other claims, where None leaves one out, and other changes."""
@@ -260,7 +266,7 @@ def of_basins() -> Iterator[Forgery]:
     yield of_array("a square in the support polygon", name, {}, *wide)
     mesh = good_arrays()[f"array-{name}"]["evidence"][1]["hypotheses"]["mesh"]
 
-    def ends(because: str, *changes: tuple[Path, Any], below: Any = 2, **own: str) -> Forgery:
+    def ends(because: str, *changes: tuple[Path, Any], below: Any = 2, **own: Any) -> Forgery:
         stated = {**mesh, **own}
         changes = ([*where, "mesh"], stated), ([*where, "below"], below), *changes
         return of_array(because, name, {"attracts": {"mesh": stated, "below": below}}, *changes)
@@ -268,6 +274,7 @@ def of_basins() -> Iterator[Forgery]:
     disc: Path = [*where, "squared_radius"]
     yield ends("a level that is a whole number", below=True)
     yield ends("one polygon in which bodies end", below=3)
+    yield ends("one polygon in which bodies end", (disc, "1/16"), below=1, **OPEN)  # whose first side is left out
     yield ends("a polygon in the disc in which bodies end", (disc, "1/100000"))
     yield ends("a mesh inside the square", (disc, "1"), unit="1/20")
     weight = Fraction(1, 3**57)

@@ -428,6 +428,20 @@ def systems_with_roots() -> Iterator[Case]:
     yield Case("root-drift", drift, "departure", {"cells": cells("root_x"), "direction": ["1"]})
 
 
+def sines_beside_roots() -> Iterator[Case]:
+    """The sine of a state that is judged in its root."""
+    about = {**subject(["-sign(x)*sqrt(Abs(x)) + sin(x)"]), "roots": ["x"], "order": 0}
+    yield Case("root-sines", about, "lyapunov", lyapunov("root_x**2", cells("root_x", within="1/2")))
+
+
+def jumps_with_what_is_continuous() -> Iterator[Case]:
+    """A relay of a state and of what saturates another one, which drives it."""
+    fall = entry_about("x", ["-x**3"], "lyapunov", lyapunov("x**2", cells()))
+    relay = entry_about("y", ["-sign(y)"], "lyapunov", lyapunov("y**2", cells("y")))
+    listed = [{"states": ["x"], "entry": fall}, {"states": ["y"], "entry": relay, "jumps": "continuous"}]
+    yield Case("cascade-saturated", subject(["-x**3", "-sign(y + sat(x, -1, 1))"]), "cascade", {"parts": listed})
+
+
 def homogeneous_systems() -> Iterator[Case]:
     """What holds near the point holds everywhere; of negative degree solutions arrive."""
     third = {"roots": ["x"], "orders": [3]}
@@ -728,6 +742,8 @@ GROUPS = (
     cascades,
     slides,
     basins_in_space,
+    sines_beside_roots,
+    jumps_with_what_is_continuous,
 )
 
 

@@ -15,7 +15,7 @@ from typing import Any
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.kernel.search import Search
 from tests.certificates.corpus import good_certificates
-from tests.certificates.forgeries import Forgery, Path, Record
+from tests.certificates.forgeries import GONE, Forgery, Path, Record
 
 PLAIN: Record = {"mixture": [{}]}  # evidence of what holds with no guard
 ON_PARTS: Record = {"simplices": [{}, {}]}  # the same in one state, on both halves of the cube, or of the line
@@ -625,12 +625,15 @@ def of_parts() -> Iterator[Forgery]:
     relay_falls = {**entry("")["hypotheses"], "cells": {**cube("1"), "surfaces": ["y"]}, "function": "y**2"}
     alone = {"states": ["y"], "rhs": [["-2*sign(y)"]], "at": ["0"]}
     pulled = ["y"], Search().entry(read_subject(alone), "lyapunov", relay_falls)[0]
-    jumps: Record = {"jumps": True}
+    jumps, continuous = {"jumps": True}, {"jumps": "continuous"}
     for because, side, driven, more in (
         ("jumps with forms of first degree in the states of a part", "2*y*sign(x)**2 - y", y, jumps),
         ("jumps with forms of first degree in the states of a part", "-2*sign(y + sign(x))", pulled, jumps),
         ("jumps with forms of first degree in the states of a part", "-2*sign(y - 3*y*sign(x)**2)", pulled, jumps),
+        ("jumps with forms of first degree in the states of a part", "-2*sign(y + Max(x, y)/2)", pulled, continuous),
+        ("surfaces without switching", "-2*sign(y + sat(x, -1, 1))", pulled, jumps),
         ("jumps with forms whose gradients are independent", "-sign(y) - sign(y + x)", pulled, jumps),
+        ("jumps with forms whose gradients are independent", "-sign(y) - sign(y + sat(x, -1, 1))", pulled, continuous),
         (
             "jumps with forms whose gradients are independent",
             "-sign(y + 1.0*x) - sign(y + 1.00000000000000000001*x)",
@@ -638,6 +641,7 @@ def of_parts() -> Iterator[Forgery]:
             jumps,
         ),
         ("parts that jump with others, and are not carried", "-2*sign(y + x)", pulled, {"jumps": False}),
+        ("parts that jump with others, and are not carried", "-2*sign(y + x)", pulled, {"jumps": 1}),
         ("parts that jump with others, and are not carried", "-2*sign(y + x)", pulled, {**jumps, "carried": True}),
     ):
         yield forged(because, ATTRACTS, ["-x", side], "cascade", with_last(parts(x, driven), more))
@@ -691,7 +695,7 @@ def of_circles() -> Iterator[Forgery]:
     yield turns("no other functions than sines and cosines on circles", "sin(x) + 0*tanh(y)")
     yield turns("formulas in the states", "-sin(x) + 0*sin_x")
     yield turns("a V that is zero at the point", "1", {"V ": PLAIN, "cell  field 0": PLAIN}, "1")
-    yield turns("no roots beside angles", "-sin(x)", roots=["x"])
+    yield turns("no roots beside angles", "-sin(x)", roots=["x"], order=0)
     yield turns("angles that are 0 at the point", "-sin(x)", at=["1"])
     none: Record = {"angles": [], "cells": cube("1"), "function": "x**2"}
     words = "angles that are different states"
@@ -887,6 +891,9 @@ def of_names_of_roots() -> Iterator[Forgery]:
     yield replace(first, because="roots of an order of two at least")
     other = (["statement", "subject", "rhs", 0, 0], "-sign(x)*Abs(x)**(1/2) + 2*x")
     yield replace(first, changes=(other,), because="powers of the roots that are listed")
+    unordered: Any = (["statement", "subject", "order"], GONE)
+    because = "an order of sines and cosines beside roots"
+    yield Forgery("one condition", "root-sines", (unordered,), because=because)
     subject = {"states": ["x"], "rhs": [["1 - sqrt(Abs(x))"]], "at": ["2"], "roots": ["x"]}
     cells = {"within": "1/2", "surfaces": ["root_x + 1"], "empty": ["-"]}
     proofs = {"V .": ON_PARTS, "cell + field 0": ON_PARTS, "empty -": PLAIN}

@@ -15,9 +15,12 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.switched_cells import square_regions
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.curved_regions import is_empty
-from nonsmooth.proofs.system_certificates import certificate_of
+from nonsmooth.proofs.kernel_strategies import decide_by_symmetry
+from nonsmooth.proofs.parts import Parts
+from nonsmooth.proofs.system_certificates import by_parts, certificate_of
 from nonsmooth.proofs.system_decision import (
     StabilityResult,
     checked_point,
@@ -26,6 +29,7 @@ from nonsmooth.proofs.system_decision import (
     decide_system,
 )
 from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Method, Reach
+from nonsmooth.proofs.systems.system_stability import PlanePoint, decide_by_stated_function
 from nonsmooth.reports.exchange.obligations import obligations_of
 from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
@@ -34,6 +38,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 from tests.certificates.inclusion import contradiction
 from tests.oracles.floats import value
+from tests.plain import built
 from tests.thorough import but, few, keep
 
 # ---- Cascades, and surfaces on which solutions slide: systems that are decided by some of their states.
@@ -67,6 +72,8 @@ CASCADES = {
     "roots elsewhere": (["-sqrt(Abs(x))*sign(x)", "2 - y + Abs(x)**(1/3) - sign(y - 2)"], [0, 2], ATTRACTS),
     "stable ones drive what leaves": (["y", "-x", "z**3 + x"], None, LEAVES),
     "sliding modes on what an observer says": ([*SUPER_TWISTING, "-z - sign(z + y)"], None, ATTRACTS),
+    "and on roots of it": ([*SUPER_TWISTING, "-z - sign(z + sqrt(Abs(x))*sign(x) - Abs(y))"], None, ATTRACTS),
+    "and on what is saturated": (["-(x - 2)**3", "1 - y - sign(y - 1 - sat(x - 2, -1, 3))"], [2, 1], ATTRACTS),
     "a relay that is pushed away": (["-x**3", "y**3 + sign(y + x)"], None, LEAVES),
     "two relays beside a cube": (
         ["-x**3", "-2*sign(y + x) - sign(z - x)", "sign(y + x) - sign(z - x)"],
@@ -112,6 +119,19 @@ def require_shown(decide: Decide, case: tuple[list[str], list[int] | None, Trans
     assert found is not None
     assert (found.verdict, found.theorem) == (truth, method)
     assert {"stability": str(truth)} in certificate_of(decided_by(point, found))["statement"]["claims"]
+
+
+def test_a_part_is_carried_by_its_function_though_its_orbits_are_known_to_close() -> None:
+    spring = PlanePoint(built(["y", "-x*Abs(x)"], lyapunov="y**2/2 + x**2*Abs(x)/3"))
+    weak, closed = decide_by_stated_function(spring), decide_by_symmetry(spring)
+    assert weak is not None
+    assert closed is not None
+    findings = weak, closed
+    rests = StabilityResult(spring.system, spring.equilibrium, findings, None, Reach())
+    drives = decide_system(built(["-z"], states="z"))
+    whole = read_subject({"states": list("xyz"), "rhs": [["y", "-x*Abs(x) + z", "-z"]], "at": ["0"] * 3})
+    draft = by_parts(Parts((drives, rests), carried=frozenset([1])), whole)
+    assert draft.statements == [{"stability": "stable"}]
 
 
 @few(1)
@@ -166,6 +186,9 @@ NOTHING = [
     (["y", "-x + z", "-z**3"], decide_by_cascade),
     (["-x**3", "-sign(y + x) - sign(y - x)"], decide_by_cascade),  # both signs of the sum of forms that meet
     (["-x**3", "-sign(y**3 + x)"], decide_by_cascade),
+    (["-x**3", "-sign(y) - sign(y + sat(x, -1, 1))"], decide_by_cascade),
+    (["-x**3", "-sign(y + Max(x, y)/2)"], decide_by_cascade),
+    ([*SUPER_TWISTING, "-sign(z + sat(sign(y), -1, 1))"], decide_by_cascade),
     (["y", "sign(x + y)"], decide_by_sliding),
     (["2*x*sign(y)**2 - x", "-sign(y)"], decide_by_sliding),
     (["x", "-sign(x + y**3)"], decide_by_sliding),
@@ -218,8 +241,8 @@ def random_cascade(source: random.Random) -> list[str]:
     falls = [source.choice(["-{}**3", "-sign({})", "-{}", "-{}*Abs({})", "{}", root]) for _ in range(3)]
     drives = [
         "0",
-        source.choice(["x", "x**2", "y*x", "Abs(x)", "sqrt(Abs(x))", "-2*sign(y + x)"]),
-        source.choice(["y", "x*z", "z**2*x", "sat(y, -1, 1)", "sign(z - 2*y + x)", "-2*sign(z + x*y)"]),
+        source.choice(["x", "x**2", "y*x", "Abs(x)", "sqrt(Abs(x))", "-2*sign(y + x)", "-2*sign(y + sat(x, -1, 1))"]),
+        source.choice(["y", "x*z", "z**2*x", "sat(y, -1, 1)", "sign(z - 2*y + x)", "-2*sign(z + Max(x, -1)*y)"]),
     ]
     pairs = zip("xyz", zip(falls, drives, strict=True), strict=True)
     return [f"{fall.format(name, name)} + {drive}" for name, (fall, drive) in pairs]
