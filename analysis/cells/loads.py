@@ -154,15 +154,20 @@ def require_support(scene: Scene, domain: Polygon) -> None:
 
 
 def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str:
-    """Name the support polygon, the point that leaves it and the largest radius that stays inside."""
-    largest = min(square_rooms(hull, scene.check.equilibrium))
-    corners = ", ".join(f"({float(a):g}, {float(b):g})" for a, b in hull[:8]) + (", ..." if len(hull) > 8 else "")
+    """Name the support polygon, the point that leaves it and the largest radius that stays inside.
+
+    Places are measured from the checked point, since the scene may have been moved there.
+    """
+    largest, at = min(square_rooms(hull, scene.check.equilibrium)), scene.check.equilibrium
+    seen, *corners = (f"({float(x):g}, {float(y):g})" for x, y in (minus(place, at) for place in (vertex, *hull[:8])))
+    polygon = f"{', '.join(corners)}{', ...' if len(hull) > 8 else ''}, measured from the checked point"
+    if largest.sign() <= 0:
+        return f"check.equilibrium: required a point inside the support polygon, received one that is not: {polygon}"
     exact, rounded = short_text(largest), float_text(largest)
     said = exact if exact.removeprefix("~") == rounded else f"{exact} ~ {rounded}"
-    advice = f"at most {said}" if largest.sign() > 0 else "an equilibrium inside it"
     return (
-        f"check.radius: required {advice}, received {short_text(scene.check.radius)}: "
-        f"at ({float(vertex[0]):g}, {float(vertex[1]):g}) the body tips over its support polygon {corners}"
+        f"check.radius: required at most {said}, received {short_text(scene.check.radius)}: "
+        f"at {seen} the body tips over its support polygon {polygon}"
     )
 
 
