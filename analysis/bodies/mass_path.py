@@ -80,10 +80,18 @@ class MassPath(CarriedBody):
 
     method, shown = "dynamics", 3
 
-    def __init__(self, model: ContactModel, body: RigidBody, scene: Scene | None = None, coarser: float = 1.0) -> None:
+    def __init__(
+        self,
+        model: ContactModel,
+        body: RigidBody,
+        scene: Scene | None = None,
+        coarser: float = 1.0,
+        most_work: float = math.inf,
+    ) -> None:
         """For contacts, and the scene of a body with an outline, with the same wheels.
 
-        Tolerances are ``coarser`` times as large as for a path that is shown.
+        Tolerances are ``coarser`` times as large as for a path that is shown; a path ends after ``most_work``
+        evaluations of all forces.
 
         Raises:
             ValueError: for a scene without a body.
@@ -92,7 +100,7 @@ class MassPath(CarriedBody):
         super().__init__(model, scene)
         if scene is not None:
             require_springs(scene)
-        self._body, self._coarser = body, coarser
+        self._body, self._coarser, self._most_work = body, coarser, most_work
         self._equations: dict[Wheels, NewtonEuler] = {}
 
     def follow(self, start: Sequence[float], until: float, velocity: Sequence[float] = (0.0, 0.0, 0.0)) -> DynamicPath:
@@ -197,13 +205,13 @@ class MassPath(CarriedBody):
         return SupportMode(self, support, rate)
 
     def passed(self, step: DenseStep, end: float) -> EndReason | None:
-        """Count the work, and note how far wheels have come from the edge."""
+        """Count the work, which may become too much, and note how far wheels have come from the edge."""
         self._evaluations += step.work
         if self._swings:
             looks = step(np.linspace(step.start, end, 5)).T
             depths = np.abs(self.outline.depths(looks[:, :3])).max(axis=0)
             self._swings = {wheel: max(reached, float(depths[wheel])) for wheel, reached in self._swings.items()}
-        return None
+        return EndReason.STEPS if self._evaluations > self._most_work else None
 
     def arrive(self, path: Path, mode: Mode, met: int | None) -> EndReason | None:
         """The wheels after an event."""

@@ -35,9 +35,11 @@ COARSER = 1e3
 STILL = 0.05  # of the accuracy: a chunk that stays within it has settled
 STEADY = 0.02  # relative change of the size of swings from one half of a chunk to the other on a limit cycle
 MOST_CHUNKS = 12
-MOST_WORK = 6_000  # evaluations of all forces for one start: about a second
+MOST_WORK = 6_000  # evaluations of all forces for one start: about a second; no chunk begins after these
+LONGEST = 20_000  # of one chunk, which may hold very many short steps where wheels are slow or stick
 LOOKS = 400  # at a path, beside another one
 FACTORS = tuple(2.0**k for k in range(-4, 4))  # of the speeds of all wheels
+UNFINISHED = frozenset({EndReason.EVENTS, EndReason.STEPS})
 LIGHT = 2.0**-6  # of these speeds: a body without inertia, but for a 4,096th
 
 
@@ -103,7 +105,10 @@ def settle(scene: Scene, body: RigidBody, start: Pose, accuracy: float, chunk: f
         places.append(path.states[1:, :2])
         begin, state = begin + float(path.times[-1]), path.states[-1]
         swing = _Swing.of(path)
-        if path.trajectory.end.reason is not EndReason.TIME:
+        reason = path.trajectory.end.reason
+        if reason in UNFINISHED:
+            break
+        if reason is not EndReason.TIME:
             kind = Settling.THROWN_OFF
         elif swing.later <= STILL * accuracy:
             kind = Settling.AT_REST
@@ -129,7 +134,7 @@ def _is_steady(size: float, before: float) -> bool:
 def _follower(scene: Scene, body: RigidBody) -> MassPath:
     """Under the friction forces of the scene's own rule, which has to be one without cells."""
     contacts, outlined = carried_contacts(smooth_rule_of(scene), scene)
-    return MassPath(contacts, body, outlined, COARSER)
+    return MassPath(contacts, body, outlined, COARSER, LONGEST)
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,10 +230,13 @@ def massless_holds_to(
         if work > MOST_WORK:
             return None
         tried = (low + high) // 2
-        if all(
+        are_alike = all(
             _are_alike(places(FACTORS[tried], start), near, accuracy)
             for start, near in zip(starts, massless, strict=True)
-        ):
+        )
+        if work > LONGEST:  # a path is not finished
+            return None
+        if are_alike:
             low = tried
         else:
             high = tried

@@ -459,7 +459,8 @@ class CutNewton:
     def _first_turned(self, slips: Floats, step: Floats, slipping: Mask) -> tuple[float, int, int] | None:
         """The share of a step at which a slip first leaves its side, of which contact, and along 0 or across 1.
 
-        Those at a corner leave that of X, and those that roll that of Y.
+        Those at a corner leave that of X, and those that roll that of Y.  One that is off its side already, and stays
+        as it is, leaves it at once.
         """
         change = self._pairs @ step
         left = ((slips + change) * self._sides < 0) & slipping[:, None]

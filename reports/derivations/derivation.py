@@ -6,7 +6,7 @@ holds no times and no dates, so equal input gives equal bytes.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
@@ -255,7 +255,9 @@ class DeriveOptions(Options):
 def _names(given: str | Sequence[str] | None) -> list[str]:
     if given is None:
         return []
-    return [name.strip() for name in given.split(",")] if isinstance(given, str) else list(given)
+    is_list = isinstance(given, Iterable) and not isinstance(given, str)
+    listed = map(str, given) if is_list else str(given).split(",")
+    return [name.strip() for name in listed]
 
 
 class NamedScene(NamedTuple):

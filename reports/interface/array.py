@@ -68,6 +68,19 @@ class Wheel:
         return table(vars(self))
 
 
+def wheel_tables(wheels: Any, name: str) -> list[dict[str, Any]]:
+    """The tables of wheels in the document of an array or a vehicle of that name.
+
+    Raises:
+        SceneError: for what are no wheels.
+    """
+    listed = list(wheels) if isinstance(wheels, Iterable) else [wheels]
+    for wheel in listed:
+        if not isinstance(wheel, Wheel):
+            raise SceneError(str(name), "wheels", "ns.Wheel(position) for each", wheel)
+    return [wheel.table() for wheel in listed]
+
+
 # ---- arrays --------------------------------------------------------------------------------------
 
 # Where a keyword of `with_` stands in a scene file.
@@ -133,12 +146,7 @@ class Array(PythonScene):
         **more: Any,
     ) -> None:
         given = dict(mu_roll=mu_roll, mu_side=mu_side, rule=rule, at=at, radius=radius, **more)
-        listed = list(wheels) if isinstance(wheels, Iterable) else []
-        strangers = [wheel for wheel in listed if not isinstance(wheel, Wheel)]
-        if strangers or not isinstance(wheels, Iterable):
-            stranger = strangers[0] if strangers else wheels
-            raise SceneError(str(more.get("name") or self._nameless), "wheels", "ns.Wheel(position) for each", stranger)
-        document = placed({"wheel": [wheel.table() for wheel in listed]}, given)
+        document = placed({"wheel": wheel_tables(wheels, more.get("name") or self._nameless)}, given)
         self._set(document, Path())
 
     def _set(self, document: Mapping[str, Any], folder: Path) -> None:

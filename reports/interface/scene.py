@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from nonsmooth.reports.output.study_options import options_of
+from nonsmooth.symbolic.messages.scene_error import shown
 
 if TYPE_CHECKING:
     from nonsmooth.reports.checks.measurements import Precision, Stress
@@ -93,6 +94,9 @@ class PythonScene(ABC):
         from nonsmooth.reports.sweeps.sweep import Means
         from nonsmooth.reports.sweeps.sweep_study import swept
 
+        for name, given, kind in (("values", values, Mapping), ("means", means, Means)):
+            if not isinstance(given, kind | None):
+                raise ValueError(f"{name}: required a {kind.__name__}, received {shown(given)}")
         base = base_of(self.document, *self.origin)
         return swept(base, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
 

@@ -12,6 +12,7 @@ from nonsmooth.reports.interface.scene import PythonScene
 from nonsmooth.reports.output.entries import entry, table
 from nonsmooth.reports.simulations.simulate_options import PATH, UNTIL, SimulateOptions
 from nonsmooth.reports.studies.study import takes
+from nonsmooth.symbolic.messages.scene_error import SceneError
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.larger_region import LargerRegion
@@ -64,9 +65,8 @@ class System(PythonScene):
     ) -> None:
         names = list(states) if isinstance(states, str) else states  # "xy" are the states x and y
         document: dict[str, Any] = {"system": {"states": entry(names), "rhs": entry(rhs)}}
-        if parameters is not None:
-            document["system"]["parameters"] = table(parameters)
-        self._set(_changed(document, at=at, radius=radius, lyapunov=lyapunov, name=name))
+        given = {"at": at, "radius": radius, "lyapunov": lyapunov, "name": name, "parameters": parameters}
+        self._set(_changed(document, **given))
 
     @classmethod
     def of_document(cls, document: Mapping[str, Any]) -> Self:
@@ -403,9 +403,11 @@ def _changed(document: Mapping[str, Any], **changes: Any) -> dict[str, Any]:
     if unknown:
         raise TypeError(f"required a keyword among at, radius, lyapunov, name, parameters, received {min(unknown)!r}")
     changed = dict(document)
-    if changes.get("parameters") is not None:
+    if (parameters := changes.get("parameters")) is not None:
+        if not isinstance(parameters, Mapping):
+            raise SceneError(str(changes.get("name") or System._nameless), "parameters", "numbers by name", parameters)
         system = document["system"]
-        changed["system"] = {**system, "parameters": {**system.get("parameters", {}), **table(changes["parameters"])}}
+        changed["system"] = {**system, "parameters": {**system.get("parameters", {}), **table(parameters)}}
     if changes.get("name") is not None:
         changed["name"] = changes["name"]
     given = table(

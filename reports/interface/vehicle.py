@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.checks.vehicles import VehicleResult
+from nonsmooth.reports.interface.array import Wheel, wheel_tables
 from nonsmooth.reports.output.entries import table
 
 if TYPE_CHECKING:
-    from nonsmooth.reports.interface.array import Wheel
     from nonsmooth.symbolic.mechanics.vehicles import Vehicle as ExactVehicle
 
 
@@ -59,7 +59,7 @@ class Vehicle:
             "name": name,
             "vehicle": table(more),
             "friction": table({"mu_roll": mu_roll, "mu_side": mu_side}),
-            "wheel": [wheel.table() for wheel in wheels],
+            "wheel": wheel_tables(wheels, name),
             "contact": table({"rule": rule}),
         }
         self._set(document)

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from numbers import Integral
 from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.files.key_paths import Path, find_path, path_text
@@ -291,8 +292,8 @@ def read_plan(
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise SweepError(f"vary: required each number once, received {twice} twice")
-    if draws is not None and not 1 <= draws <= MAX_DRAWS:
-        raise SweepError(f"random: required 1 to {MAX_DRAWS} draws, received {draws}")
+    if draws is not None and not (isinstance(draws, Integral) and 1 <= draws <= MAX_DRAWS):
+        raise SweepError(f"random: required 1 to {MAX_DRAWS} draws, received {shown(draws)}")
     for axis in axes:
         if isinstance(axis.values, Range) and (axis.values.count is None) is (draws is None):
             kinds = ("start:stop:count, or random draws", "start:stop")

@@ -14,7 +14,8 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
 from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadSet, SpringLoads, load_set
-from nonsmooth.analysis.cells.loads import LoadError, LoadRegion, load_regions, value_at
+from nonsmooth.analysis.cells.loads import LoadError, LoadRegion, load_regions, require_support, value_at
+from nonsmooth.analysis.cells.polygon import checked_square
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.float_loads import ON_HULL, _outside, elastic_loads, loads_at, table_loads
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -500,3 +501,14 @@ def test_loads_beside_such_a_line_are_those_of_floats(arrays: Arrays, seed: int)
         exact = [float(value_at(form, (scene.field(x), scene.field(y)))) for form in region.forces]
         floats = elastic_loads(contact_model(scene), [float(x), float(y)])[0]
         np.testing.assert_allclose(floats, exact, atol=1e-9)
+
+
+def test_a_point_at_which_the_body_tips_is_told_as_such() -> None:
+    """It was the radius that was refused, and places were those of a plane that had been moved, without a word."""
+    scene = load_scene("off-center", rule="ellipse", at="5,1").recentred()
+    with pytest.raises(LoadError, match=r"^check.equilibrium: required a point inside.*measured from it"):
+        require_support(scene, checked_square(scene))
+    near = load_scene("off-center", rule="ellipse", at="1/4,1/4", radius="9")
+    for seen in (near, near.recentred()):
+        with pytest.raises(LoadError, match=r"at \(-9, -9\) the body tips.*polygon \(-.*measured from the checked"):
+            require_support(seen, checked_square(seen))

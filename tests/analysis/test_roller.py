@@ -13,7 +13,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.bodies.path import smooth_path
 from nonsmooth.analysis.bodies.set_motion import DraggedMinimizer, SetMotion, with_drag
 from nonsmooth.analysis.cells.contact_rule import contact_rule, smooth_rule_of
-from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contact_model, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.analysis.minimizers.many_twists import MovingTwists
@@ -335,3 +335,11 @@ def test_no_other_forces_have_a_smaller_largest_one(count: int) -> None:
         for _ in range(200):
             other = best + (rng.normal(size=len(frame) - 3) * 0.1 @ frame[3:]).reshape(-1, 2)
             assert np.hypot(*other.T).max() > 0.99 * np.hypot(*best.T).max()
+
+
+def test_a_slip_off_its_side_leaves_it_in_a_step_that_changes_nothing() -> None:
+    """Without a division by zero, of which users were warned while bodies crossed the edges of wheels."""
+    newton, slips = CutNewton(contact_model(load_scene("four-wheel", rule="roller"))), np.zeros((4, 2))
+    newton._sides, slips[2, 1] = np.zeros((4, 2)), 0.5
+    newton._sides[2, 1] = -1
+    assert newton._first_turned(slips, np.zeros(3), np.ones(4, bool)) == (0.0, 2, 1)

@@ -14,6 +14,7 @@ import pytest
 from sympy import Matrix
 
 import nonsmooth as ns
+from nonsmooth.analysis.bodies import settling
 from nonsmooth.analysis.bodies.path import smooth_path
 from nonsmooth.analysis.contact_rules import EllipseRule
 from nonsmooth.analysis.fields.constant_field import array_field
@@ -510,6 +511,15 @@ def test_a_body_that_is_followed_alone_is_that_of_the_checked_wheels(table: Scen
     start, scene = (155.0, 96.0, 0.1), standing(table)
     assert scene.accuracy < table.accuracy
     assert settled_from(table, start) == settled_from(scene, start)
+
+
+def test_a_body_that_takes_very_many_steps_is_left_on_its_way(table: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wheels of 0.01 m/s whose rollers turn freely took two minutes; such a body is not thrown off."""
+    monkeypatch.setattr(settling, "LONGEST", 20)
+    left = settled_from(table, (155.0, 96.0, 0.1))
+    assert left is not None
+    assert left.kind is settling.Settling.OPEN
+    assert left.work < 60
 
 
 def test_a_body_with_inertia_on_wheels_that_all_stand_still_rests_where_it_starts(table: Scene) -> None:

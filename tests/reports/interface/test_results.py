@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable, Iterator
 from decimal import Decimal
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -325,6 +326,28 @@ def test_names_that_are_none_are_refused_with_those_that_are() -> None:
         ns.Means(workers="two")  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    ("asked", "keywords", "line"),
+    [
+        ("sweep", {"values": "mu_side=1:2:2"}, "values: required a Mapping, received 'mu_side=1:2:2'"),
+        ("sweep", {"mu_side": 1, "means": {}}, "means: required a Means, received a table"),
+        ("sweep", {"mu_side": "1:2", "random": "5"}, "random: required 1 to 1000000000000 draws, received '5'"),
+        ("derive", {"only": 5}, "only: required names among .*, received '5'"),
+        ("derive", {"without": [0.5]}, "without: required names among .*, received '0.5'"),
+    ],
+)
+def test_keywords_of_another_kind_are_named(asked: str, keywords: dict[str, Any], line: str) -> None:
+    with pytest.raises(ValueError, match=f"^{line}$"):
+        getattr(ring(), asked)(**keywords)
+
+
+@pytest.mark.parametrize("stranger", ["k=2", 3])
+def test_what_are_no_parameters_is_refused(stranger: Any) -> None:
+    for made in (partial(ns.System, ["x"], ["-x"]), ns.System(["x"], ["-x"]).with_):
+        with pytest.raises(ns.SceneError, match=r"^system: parameters: required numbers by name, received .?[k3]"):
+            made(parameters=stranger)
+
+
 def test_an_array_of_one_number_is_a_number() -> None:
     assert ring(mu_side=np.array(0.25)) == ring(mu_side=0.25)
     assert ring().sweep(mu_side=0.25).rows() == ring().sweep(mu_side=[0.25]).rows()
@@ -366,8 +389,9 @@ def test_what_is_no_system_is_refused_as_in_a_file(states: Any, rhs: Any, line: 
 
 @pytest.mark.parametrize("wheels", [None, 3, [None]])
 def test_what_are_no_wheels_is_refused(wheels: Any) -> None:
-    with pytest.raises(ns.SceneError, match=r"required ns\.Wheel\(position\) for each, received (None|3)$"):
-        ns.Array(wheels)
+    for made in (ns.Array, partial(ns.Vehicle, track=1, wheel_base=1)):
+        with pytest.raises(ns.SceneError, match=r"required ns\.Wheel\(position\) for each, received (None|3)$"):
+            made(wheels)
 
 
 def test_unknown_keywords_are_refused() -> None:
