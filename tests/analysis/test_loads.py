@@ -510,7 +510,5 @@ def test_a_point_at_which_the_body_tips_is_told_as_such() -> None:
         require_support(scene, checked_square(scene))
     near = load_scene("off-center", rule="ellipse", at="1/4,1/4", radius="9")
     for seen in (near, near.recentred()):
-        with pytest.raises(
-            LoadError, match=r"from the checked point, at \(-9, -9\) the body tips.*polygon \(-"
-        ):
+        with pytest.raises(LoadError, match=r"from the checked point, at \(-9, -9\) the body tips.*polygon \(-"):
             require_support(seen, checked_square(seen))
