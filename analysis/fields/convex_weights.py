@@ -24,17 +24,18 @@ MOST_SUBSETS = 5_000  # of vectors whose basic solutions are listed: four surfac
 MOST_MIXED = 40  # basic solutions that are sought for one point of least norm
 
 
-def basic_weights(vectors: Floats) -> Floats:
+def basic_weights(columns: Floats) -> Floats:
     """All basic solutions of ``l @ vectors = 0, sum l = 1, l >= 0``, one per row.
 
     Every solution is a convex combination of these; none means that the hull of the vectors does not hold zero.
+
+    Args:
+        columns: of these vectors (:func:`columns_of`).
     """
-    count = len(vectors)
-    columns = _columns(vectors)
-    rank = columns.shape[1] - 1
-    if count < rank + 1:
+    count, size = columns.shape
+    if count < size:
         return np.zeros((0, count))
-    subsets, solutions = _basic_solutions(columns, list(combinations(range(count), rank + 1)), rank + 1)
+    subsets, solutions = _basic_solutions(columns, list(combinations(range(count), size)), size)
     weights = np.zeros((len(subsets), count))
     np.put_along_axis(weights, subsets, np.maximum(solutions, 0.0), axis=1)
     return weights / weights.sum(axis=1, keepdims=True)
@@ -48,7 +49,7 @@ def central_weights(vectors: Floats) -> Floats | None:
     the best of the basic solutions, which hold t and rank many of the p.
     """
     count = len(vectors)
-    columns = _columns(vectors)
+    columns = columns_of(vectors)
     rank = columns.shape[1] - 1
     if comb(count, rank) > MOST_SUBSETS:
         return _central_by_program(columns)
@@ -77,13 +78,12 @@ def shortest_mixture(vectors: Floats, fields: Floats) -> Floats | None:
     Of many vectors basic solutions are sought one by one, each the best along the shortest mixture of those before,
     until none is better (Wolfe 1976, "Finding the nearest point in a polytope").
     """
-    columns = _columns(vectors)
+    columns = columns_of(vectors)
     if _are_listed(columns):
-        possible = basic_weights(vectors)
+        possible = basic_weights(columns)
         return least_norm_weights(possible @ fields) @ possible if len(possible) else None
     found: list[Floats] = []
-    better = _best_weights(columns, np.zeros(len(vectors)))
-    mixed, velocity = better, np.zeros(fields.shape[1])
+    mixed = better = _best_weights(columns, np.zeros(len(vectors)))
     while better is not None and len(found) < MOST_MIXED:
         found.append(better)
         mixed = least_norm_weights(np.array(found) @ fields) @ np.array(found)
@@ -96,9 +96,9 @@ def shortest_mixture(vectors: Floats, fields: Floats) -> Floats | None:
 
 def extreme_mixtures(vectors: Floats, fields: Floats) -> Floats:
     """Some ``l @ fields`` of such weights, with the least and largest value of each coordinate among all; (m, n)."""
-    columns = _columns(vectors)
+    columns = columns_of(vectors)
     if _are_listed(columns):
-        return basic_weights(vectors) @ fields
+        return basic_weights(columns) @ fields
     ends = (_best_weights(columns, side * part) for part, side in product(fields.T, (1, -1)))
     return np.array([own @ fields for own in ends if own is not None]).reshape(-1, fields.shape[1])
 
@@ -124,7 +124,7 @@ def _best_weights(columns: Floats, prices: Floats, bounds: Any = (0, None)) -> F
     return weights
 
 
-def _columns(vectors: Floats) -> Floats:
+def columns_of(vectors: Floats) -> Floats:
     """Coordinates of some vectors in an orthonormal basis of what they span (none if all are zero), and a last one."""
     scale = max_norm(vectors)
     if not scale:

@@ -28,6 +28,7 @@ from nonsmooth.analysis.fields.constant_field import (
 from nonsmooth.analysis.fields.convex_weights import (
     basic_weights,
     central_weights,
+    columns_of,
     extreme_mixtures,
     origin_distance,
     shortest_mixture,
@@ -367,7 +368,7 @@ def test_central_weights_against_a_linear_program(seed: int) -> None:
             assert weights.sum() == pytest.approx(1.0)
             assert weights @ vectors == pytest.approx(np.zeros(rank), abs=1e-9)
             assert weights.min() == pytest.approx(-least.fun, rel=1e-7, abs=1e-9)
-            assert (weights.min() >= 0) == bool(len(basic_weights(vectors)))
+            assert (weights.min() >= 0) == bool(len(basic_weights(columns_of(vectors))))
 
 
 @few(1)

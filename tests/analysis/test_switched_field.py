@@ -27,7 +27,7 @@ from nonsmooth.analysis.fields.constant_field import (
     piecewise_constant,
     smooth_form,
 )
-from nonsmooth.analysis.fields.convex_weights import basic_weights, least_mix, least_norm_weights
+from nonsmooth.analysis.fields.convex_weights import basic_weights, columns_of, least_mix, least_norm_weights
 from nonsmooth.analysis.fields.feedback_laws import corrected_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import DegenerateSurfaceError, SignField
@@ -184,7 +184,7 @@ def test_basic_weights_against_linear_programs(seed: int) -> None:
     rng = np.random.default_rng(seed)
     vectors = random_vectors(rng)
     count, dimension = vectors.shape
-    weights = basic_weights(vectors)
+    weights = basic_weights(columns_of(vectors))
     if not hull_holds_zero(vectors):
         assert not len(weights)
         return
