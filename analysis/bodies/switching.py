@@ -72,6 +72,9 @@ def balancing_weights(rates: Floats, count: int, start: Floats) -> Floats | None
 # ---- the motion that follows ---------------------------------------------------------------------
 
 
+# Where a slide ends the weight of a wheel is zero or one, and the motion beyond is tangent to the edge: up to so much
+# rounding, of the weights and of the largest rate of a depth.  Who slides on from there comes nowhere.
+ROUNDED = 1e-7
 MOST_AT_ONCE = 6  # wheels under the edge at one pose: 64 subsets
 
 
@@ -93,12 +96,13 @@ class Switching:
                 f"required at most {MOST_AT_ONCE} wheels under the edge at once, received {len(edge)}"
             )
         motions = self._motions(pose, carrying, edge)
-        going = [subset for subset, rates in motions.items() if self._goes_on(subset, rates, edge)]
-        if going:
-            return CarryingWheels(carrying | max(going, key=len), unique=len(going) == 1)
-        for size in range(1, len(edge) + 1):
-            for sliding in combinations(edge, size):
-                support = self._slide(pose, carrying, edge, sliding, motions)
+        nothing = ROUNDED * max(map(max_norm, motions.values()))
+        for rounding, least in ((0.0, ROUNDED), (nothing, 0.0)):
+            going = [subset for subset, rates in motions.items() if _goes_on(subset, rates, edge, rounding)]
+            if going:
+                return CarryingWheels(carrying | max(going, key=len), unique=len(going) == 1)
+            for sliding in (some for size in range(1, len(edge) + 1) for some in combinations(edge, size)):
+                support = self._slide(carrying, edge, sliding, motions, least, rounding)
                 if support is not None:
                     return support
         if len(motions) < 2 ** len(edge):
@@ -142,18 +146,18 @@ class Switching:
         return motions
 
     @staticmethod
-    def _goes_on(subset: Wheels, rates: Floats, edge: Sequence[int]) -> bool:
-        return all((rate > 0) == (wheel in subset) and rate != 0 for wheel, rate in zip(edge, rates, strict=True))
-
     def _slide(
-        self,
-        pose: Floats,
         carrying: Wheels,
         edge: Sequence[int],
         sliding: tuple[int, ...],
         motions: dict[Wheels, Floats],
+        least: float,
+        rounding: float,
     ) -> CarryingWheels | None:
-        """A support on which these wheels stay under the edge while the other wheels of the edge go one way."""
+        """A support on which these wheels stay under the edge while the other wheels of the edge go one way.
+
+        Their weights are more than ``least``, and as much less than one; rates up to a rounding go either way.
+        """
         others = [wheel for wheel in edge if wheel not in sliding]
         places = [edge.index(wheel) for wheel in sliding]
         for inside in subsets_of(others):
@@ -162,9 +166,15 @@ class Switching:
                 continue
             corners = np.array(chosen)
             weights = balancing_weights(corners[:, places], len(sliding), np.full(len(sliding), 0.5))
-            if weights is None or not ((weights > 0) & (weights < 1)).all():
+            if weights is None or not ((weights > least) & (weights < 1 - least)).all():
                 continue
-            mixed = dict(zip(edge, mixed_of(corners, weights), strict=True))
-            if all((mixed[wheel] > 0) == (wheel in inside) and mixed[wheel] != 0 for wheel in others):
+            mixed = mixed_of(corners, weights)
+            if _goes_on(inside, mixed[[edge.index(wheel) for wheel in others]], others, rounding):
                 return CarryingWheels(carrying | inside, sliding, unique=len(sliding) == 1)
         return None
+
+
+def _goes_on(subset: Wheels, rates: Floats, edge: Sequence[int], rounding: float) -> bool:
+    """Whether the wheels of a subset come under the body, and the others out; rates up to a rounding may be either."""
+    into = zip((wheel in subset for wheel in edge), rates, strict=True)
+    return all(rate > -rounding if inside else rate < rounding for inside, rate in into)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from fractions import Fraction
 from functools import partial
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import pytest
@@ -15,6 +15,7 @@ from scipy.integrate import solve_ivp
 from nonsmooth.analysis.bodies import path as body_path
 from nonsmooth.analysis.bodies.path import BodyPath, smooth_path
 from nonsmooth.analysis.bodies.set_motion import ContactSets, SetMotion, turning
+from nonsmooth.analysis.bodies.switching import Switching
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.cells.loads import at_least_zero
 from nonsmooth.analysis.cells.outline import Filtered, Outline, OutlineSide, between, known_sign, meet
@@ -532,3 +533,46 @@ def test_whole_multiples() -> None:
     assert whole_multiples([root.terms, field.one.terms], 10) is None
     assert whole_multiples([field.zero.terms] * 2, 10) == [0, 0]
     assert whole_multiples([NumberField(5).two_cos(1).terms], 10) is None
+
+
+# ---- Where a slide ends: the motion beyond is tangent to the edge, up to rounding ----------------
+
+
+class DepthRates:
+    """Contact sets that carry everywhere, over an outline: rates of the depths of wheels, by the set that carries."""
+
+    is_stiff = False
+
+    def __init__(self, rates: dict[frozenset[int], Sequence[float]]) -> None:
+        self._rates = rates
+
+    def carries(self, wheels: frozenset[int], pose: Floats) -> bool:
+        return True
+
+    def rate(self, wheels: frozenset[int], pose: Floats) -> Floats:
+        return np.array(self._rates[wheels])
+
+    def rates(self, pose: Floats, rate: Floats, wheels: Sequence[int]) -> Floats:
+        return rate
+
+
+NONE, FIRST, SECOND = frozenset[int](), frozenset({0}), frozenset({1})
+BEYOND_SLIDES: list[tuple[dict[frozenset[int], Sequence[float]], frozenset[int], tuple[int, ...]]] = [
+    ({NONE: [1e-12], FIRST: [-1.0]}, NONE, ()),  # the weight has come to zero
+    ({NONE: [-1e-12], FIRST: [-1.0]}, NONE, ()),
+    ({NONE: [1.0], FIRST: [-1e-12]}, FIRST, ()),  # to one
+    ({NONE: [1e-3], FIRST: [-1.0]}, NONE, (0,)),  # has not
+    ({NONE: [1.0, 1e-12], FIRST: [-1.0, 1e-12], SECOND: [1.0, -1.0], FIRST | SECOND: [-1.0, -1.0]}, NONE, (0,)),
+    ({NONE: [1.0, 0.1], FIRST: [-1.0, 0.1], SECOND: [1.0, -1.0], FIRST | SECOND: [-1.0, -1.0]}, NONE, (0, 1)),
+    ({NONE: [1.0, -0.1], FIRST: [-1.0, -0.1], SECOND: [1.0, -1.0], FIRST | SECOND: [-1.0, -1.0]}, NONE, (0,)),
+]
+
+
+@pytest.mark.parametrize(("rates", "carrying", "sliding"), BEYOND_SLIDES)
+def test_a_slide_that_has_ended_is_not_taken_again(
+    rates: dict[frozenset[int], Sequence[float]], carrying: frozenset[int], sliding: tuple[int, ...]
+) -> None:
+    """It was: of a carton on a conveyor, two thousand times without progress."""
+    given: Any = DepthRates(rates)
+    support = Switching(given, given).next_support(np.zeros(3), NONE, range(len(rates[NONE])))
+    assert (support.carrying, support.sliding) == (carrying, sliding)
