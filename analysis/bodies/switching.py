@@ -75,6 +75,7 @@ def balancing_weights(rates: Floats, count: int, start: Floats) -> Floats | None
 # Where a slide ends the weight of a wheel is zero or one, and the motion beyond is tangent to the edge: up to so much
 # rounding, of the weights and of the largest rate of a depth.  Who slides on from there comes nowhere.
 ROUNDED = 1e-7
+GONE = 1.0  # a weight that is so far beyond its ends belongs to a slide that has ended
 MOST_AT_ONCE = 6  # wheels under the edge at one pose: 64 subsets
 
 
@@ -125,8 +126,10 @@ class Switching:
         wheels = list(support.sliding)
         depths = [self._outline.rates(pose, corner, wheels) for corner in corners]
         found = balancing_weights(np.array(depths), len(wheels), weights)
-        if found is None:
-            raise TrajectoryError("required weights that keep the wheels under the edge, received none")
+        if (
+            found is None
+        ):  # as beyond the end of a slide, where a wheel bears nothing: it has gone the way of all motions
+            found = np.where(np.mean(depths, axis=0) > 0, 1.0 + GONE, -GONE)
         return mixed_of(np.array(corners), found), found
 
     def motions(self, support: CarryingWheels, pose: Floats) -> list[SetMotion]:

@@ -15,6 +15,7 @@ from scipy.integrate import solve_ivp
 from nonsmooth.analysis.bodies import path as body_path
 from nonsmooth.analysis.bodies.path import BodyPath, smooth_path
 from nonsmooth.analysis.bodies.set_motion import ContactSets, SetMotion, turning
+from nonsmooth.analysis.bodies.supports import CarryingWheels
 from nonsmooth.analysis.bodies.switching import Switching
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.cells.loads import at_least_zero
@@ -576,3 +577,12 @@ def test_a_slide_that_has_ended_is_not_taken_again(
     given: Any = DepthRates(rates)
     support = Switching(given, given).next_support(np.zeros(3), NONE, range(len(rates[NONE])))
     assert (support.carrying, support.sliding) == (carrying, sliding)
+
+
+@pytest.mark.parametrize(("rate", "gone"), [(1.0, True), (-1.0, False)])
+def test_a_slide_is_over_where_a_wheel_bears_nothing(rate: float, gone: bool) -> None:
+    """Both motions take it the same way: a step that comes so far was refused, and is cut where its weight ends."""
+    given: Any = DepthRates({NONE: [rate], FIRST: [rate]})
+    support, pose = CarryingWheels(NONE, (0,)), np.zeros(3)
+    moves, (weight,) = Switching(given, given).rate(support, pose, np.array([0.5]))
+    assert (moves.tolist(), weight > 1, weight < 0) == ([rate], gone, not gone)
