@@ -43,6 +43,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 HELD = 1e-6  # of the body's size: a wheel that swings across the edge by less is held there
 MOST_EVENTS = 5_000
+MOST_WORK = 300_000  # evaluations of all forces: some ten thousand steps, half a minute
 DIFFERENCE = 1e-5  # of the time in which the body crosses itself: step of the edge's turning; errs by its square
 DAMPING = 10.0  # times a crossing at which what rounding and tolerance leave of g and g' of a held wheel is taken back
 SWINGS = f"it swings there by less than {HELD:g} of the body's size; drawn is the mean"
@@ -86,12 +87,12 @@ class MassPath(CarriedBody):
         body: RigidBody,
         scene: Scene | None = None,
         coarser: float = 1.0,
-        most_work: float = math.inf,
+        most_work: int | None = None,
     ) -> None:
         """For contacts, and the scene of a body with an outline, with the same wheels.
 
         Tolerances are ``coarser`` times as large as for a path that is shown; a path ends after ``most_work``
-        evaluations of all forces.
+        evaluations of all forces, :data:`MOST_WORK` unless given.
 
         Raises:
             ValueError: for a scene without a body.
@@ -100,7 +101,7 @@ class MassPath(CarriedBody):
         super().__init__(model, scene)
         if scene is not None:
             require_springs(scene)
-        self._body, self._coarser, self._most_work = body, coarser, most_work
+        self._body, self._coarser, self._most_work = body, coarser, most_work or MOST_WORK
         self._equations: dict[Wheels, NewtonEuler] = {}
 
     def follow(self, start: Sequence[float], until: float, velocity: Sequence[float] = (0.0, 0.0, 0.0)) -> DynamicPath:

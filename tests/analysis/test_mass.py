@@ -12,6 +12,7 @@ import pytest
 from rich.console import Console
 
 import nonsmooth as ns
+from nonsmooth.analysis.bodies import mass_path
 from nonsmooth.analysis.bodies import mass_study as studies
 from nonsmooth.analysis.bodies.gyration import squared_radius_of_plate
 from nonsmooth.analysis.bodies.mass_path import HELD, MassPath, simulate_dynamics
@@ -96,6 +97,15 @@ def test_a_body_over_all_wheels_moves_as_without_an_outline(arrays: Arrays) -> N
     expected = simulate_dynamics(contact_model(scene), body, start, 1.0)
     assert not path.trajectory.events
     assert np.abs(path.states[-1] - expected.states[-1]).max() < 1e-6
+
+
+def test_a_path_ends_after_its_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A body at rest goes on resting: for how long is said, not waited for."""
+    monkeypatch.setattr(mass_path, "MOST_WORK", 500)
+    array = ns.Array.ring(4, radius=0.2, phase="pi/4", mu_roll=1, mu_side="1/2", check_radius=0.1)
+    end = array.dynamics((0.05, 0.02, 0.1), until=1e9).trajectory.end
+    assert end.reason is EndReason.STEPS
+    assert 0 < end.t < 1e3
 
 
 def test_a_body_tips_over_the_side_its_centre_crosses(arrays: Arrays) -> None:
