@@ -53,7 +53,7 @@ from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.symbolic.mechanics.contact_states import Triple, inner, roll_row, scaled, side_row
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, FrictionSet
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 
 PRECISION = 256  # bits of balls
 BITS = 50  # of proposed values
@@ -328,6 +328,7 @@ class ExclusionSearch:
         self.units = [Fraction(float(x)) if x else Fraction(1) for x in size]
         self.columns = columns / np.where(size, size, 1)
         self.sizes = np.linalg.norm(self.columns, axis=(1, 2))
+        self._forces: dict[tuple[int, Arc], Floats] = {}
 
     def excludes(self, arcs: Sequence[Arc]) -> bool:
         """Whether no forces of these arcs balance, as far as the budget lasts."""
@@ -348,20 +349,25 @@ class ExclusionSearch:
 
     def _proposed_direction(self, arcs: Sequence[Arc]) -> list[Fraction] | None:
         """The y that minimizes the sum of the largest products with the forces over the box ``|y| <= 1``."""
-        rows = []
-        for k, arc in enumerate(arcs):
-            for rho, tau in self._corners(k, arc):
-                force = rho * self.columns[k, 0] + tau * self.columns[k, 1]
-                rows.append(np.concatenate([force, -np.eye(len(arcs))[k]]))
+        forces = [self._forces_of(k, arc) for k, arc in enumerate(arcs)]
+        largest = np.repeat(-np.eye(len(arcs)), list(map(len, forces)), axis=0)
+        rows = np.hstack([np.concatenate(forces), largest])
         cost = np.concatenate([np.zeros(3), np.ones(len(arcs))])
         bounds = [(-1, 1)] * 3 + [(None, None)] * len(arcs)
-        found = solve_program(cost, A_ub=np.array(rows), b_ub=np.zeros(len(rows)), bounds=bounds)
+        found = solve_program(cost, A_ub=rows, b_ub=np.zeros(len(rows)), bounds=bounds)
         if found.x is None or found.fun >= 0:
             return None
         return [rounded(x) / unit for x, unit in zip(found.x[:3], self.units, strict=True)]
 
+    def _forces_of(self, k: int, arc: Arc) -> Floats:
+        """The corners of a polygon around the forces of a wheel, (m, 3); of the arcs of a search only one changes."""
+        if (k, arc) not in self._forces:
+            shares = np.array(list(self._corners(k, arc)))
+            self._forces[k, arc] = shares[:, :1] * self.columns[k, 0] + shares[:, 1:] * self.columns[k, 1]
+        return self._forces[k, arc]
+
     def _corners(self, k: int, arc: Arc) -> Iterator[tuple[float, float]]:
-        """A polygon around the forces of a wheel."""
+        """The same as shares of its two columns."""
         if self.wheels[k].side:
             yield from ((float(rho), float(tau)) for rho, tau in border_enclosure(self.wheels[k], arc))
         else:
