@@ -30,7 +30,7 @@ from nonsmooth.analysis.trajectories.result import (
     TrajectoryError,
 )
 from nonsmooth.analysis.trajectories.steppers import StiffAware
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 RELATIVE_TOLERANCE = 1e-12  # of DOP853, per step; at 1e-13 rounding takes over
@@ -157,7 +157,7 @@ class _FaceMode(Mode):
     def passed(self, step: DenseStep, end: float) -> EndReason | None:
         """Count the work, and look how far away it is."""
         self._meter.left -= len(self.cells) * step.work
-        if not max_norm(step.last) <= FAR:
+        if not largest(step.last) <= FAR:
             return EndReason.FAR
         return EndReason.STEPS if self._meter.left <= 0 and end < self._until else None
 
