@@ -138,6 +138,26 @@ def last_turn(crossings: Iterable[SurfaceCrossing], size: float) -> Sequence[Sur
     return ()
 
 
+def turning_gain(corner: Face, faces: Sequence[Face], t: float, x: Floats) -> float:
+    """By how much a turn around a corner of two surfaces grows; zero where solutions do not turn around it.
+
+    In a cell with the distances a and b from the surfaces, ``a' < 0 < b'`` takes a distance s along one to
+    ``-s b'/a'`` along the other; the gain is the product of these over the four cells.
+    """
+    cells = [face for face in faces if not face.keep]
+    if len(corner.keep) != 2 or len(cells) != 4:
+        return 0.0
+    gain, senses = 1.0, set[int]()
+    for cell in cells:
+        velocity, sides = cell.members[0].velocity(t, x), dict(cell.bounds)
+        first, second = (sides[surface] * float(surface.normal(x) @ velocity) for surface in corner.keep)
+        if first * second >= 0:
+            return 0.0
+        gain *= -second / first if first < 0 else -first / second
+        senses.add(sides[corner.keep[0]] * sides[corner.keep[1]] * (1 if first < 0 else -1))
+    return gain if len(senses) == 1 else 0.0
+
+
 def whirl_around(faces: Sequence[Face], turn: Sequence[SurfaceCrossing], time: float, x: Floats) -> WhirlMotion | None:
     """The mean motion about a corner with these faces, if a turn crosses all its cells there."""
     places = {crossing.place for crossing in turn[1:]}

@@ -20,7 +20,16 @@ import numpy as np
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Surface, length
 from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion, face_choices, largest
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stepper, Stretch, escapes, follow
-from nonsmooth.analysis.trajectories.guards import WHIRL_LOOP, FaceGuards, SurfaceCrossing, last_turn, whirl_around
+from nonsmooth.analysis.trajectories.guards import (
+    GAIN_DOUBT,
+    WHIRL_LOOP,
+    FaceGuards,
+    SurfaceCrossing,
+    WhirlMotion,
+    last_turn,
+    turning_gain,
+    whirl_around,
+)
 from nonsmooth.analysis.trajectories.result import (
     EndReason,
     EventKind,
@@ -39,6 +48,8 @@ MAX_EVENTS = 2_000
 MAX_WORK = 300_000  # evaluations of fields, some 25,000 steps of DOP853; paths of the built-in scenes take some hundred
 SWITCH_WORK = 20  # that many evaluations cost as much as to look at one face where the path switches
 FAR = 1e150  # squares of what lies nearer are floats
+LOOKS, LATE = 16, 1e-3  # at a slide at a corner, the last so near its end: whether other solutions leave it
+MANY = 3  # surfaces; where more cross only the last of these is taken, since there are 3^n faces
 MAX_STALLED = 20  # switches that may follow each other at one moment: more than there are faces at a point
 REST_SPEED = 1e-9  # relative to the fields around a point: a slower motion is called rest
 NEWTON_STEPS = 3  # onto surfaces from within their slack, where two steps reach rounding
@@ -231,11 +242,34 @@ class FilippovFaces(HybridField):
                 return EndReason.ESCAPES
             raise TrajectoryError(f"no progress at t = {path.time:.6g}, {path.state.tolist()}: please report this")
         self._watch(path)
+        others = self._others_along(mode.motion, stretch) if path.unique and len(face.keep) > 1 else ""
+        if others:
+            path.unique = False
+            path.tell(EventKind.NONUNIQUE, face.name, note=f"also possible, before: {others}; {RULE}")
         self._move_onto(path, [*face.keep, *surfaces])
         self.legs.append(Leg(mode.motion, stretch, path.state, surfaces))
         if surfaces and not face.keep:
             self._look_for_limits(path, face, surfaces[0])
         return None
+
+    def _others_along(self, motion: FaceMotion, stretch: Stretch) -> str:
+        """What other solutions may do that leave somewhere along a slide at a corner; empty where none is seen."""
+        if isinstance(motion, WhirlMotion):
+            return ""
+        first, last, seen = stretch.times[0], stretch.times[-1], None
+        looks = LOOKS if len(motion.face.keep) <= MANY else 0
+        for share in (*np.linspace(0, 1, looks, endpoint=False), 1 - LATE):
+            t = first + float(share) * (last - first)
+            x = stretch.at(t)
+            if seen is not None and (x == seen).all():
+                continue
+            seen, faces = x, self.field.faces_at(x)
+            if turning_gain(motion.face, faces, t, x) > 1 + GAIN_DOUBT:
+                return "turns around it that grow"
+            choices = face_choices(self.field, faces, t, x)
+            if len(choices) > 1 and all(choice.sure for choice in choices):
+                return f"keep to {choices[1].motion.face.name}"
+        return ""
 
     def _look_for_limits(self, path: Path, face: Face, surface: Surface) -> None:
         """After a crossing: whether a loop of crossings ends in a limit, or its turns in their mean."""

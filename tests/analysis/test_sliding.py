@@ -430,6 +430,24 @@ def test_what_grows_for_long_ends_where_floats_do(tmp_path: Path) -> None:
     assert 1e150 < path.end.state[0] < 1e154
 
 
+LEFT_BY_OTHERS = [  # formulas, start, until, and whether no other solution leaves the corner that the path keeps to
+    ("xy", ["sign(y)", "-sign(x) + sign(y)/2"], [0.0, 0.0], 1.0, False),  # turns grow threefold
+    ("xy", ["sign(y)", "-sign(x) - sign(y)/2"], [0.0, 0.0], 1.0, True),
+    ("xyz", [*(f"-sign({own}) + z*(1 + sign(x))*(1 + sign(y))/4" for own in "xy"), "1"], [0.0] * 3, 0.9, True),
+    ("xyz", [*(f"-sign({own}) + z*(1 + sign(x))*(1 + sign(y))/4" for own in "xy"), "1"], [0.0] * 3, 1.5, False),
+]
+
+
+@pytest.mark.parametrize(("states", "rhs", "start", "until", "unique"), LEFT_BY_OTHERS)
+def test_solutions_that_leave_along_a_slide_at_a_corner_are_told(
+    tmp_path: Path, states: str, rhs: list[str], start: list[float], until: float, unique: bool
+) -> None:
+    """Beyond z = 1 both rates lead out of the corner where x and y are positive."""
+    path = follow(tmp_path, states, rhs, start, until)
+    assert path.end.state[:2] == (0.0, 0.0)
+    assert path.unique is unique
+
+
 def test_a_flat_secant_is_not_a_root() -> None:
     """A guard that only says yes and no: bisection goes on where the slope is zero."""
     assert find_root(lambda t: 1.0 if t < 0.3 else -1.0, (0.0, 1.0), (1.0, -1.0)) == pytest.approx(0.3, abs=1e-14)
