@@ -93,13 +93,9 @@ class SystemSubject(ReportSubject):
             near = (cell for cell in self.polygons if adherence(cell.region) is not Adherence.NO)
             return list(values_at_origin(near))
         system = self.scene if self.scene.by_roots is None else self.scene.by_roots.unscaled
-        cells, states = build_cells(system, system.check.radius, irrational=True), system.displaced(system.states)
-        found: dict[tuple[Number, ...], None] = {}
-        for cell in adjoining(cells):
-            sign_of = signs_by_factors(dict(zip(cells.surfaces, cell.signs, strict=True)))
-            for member in system.members:
-                found[tuple(part.at_origin for part in member.velocity(sign_of, states))] = None
-        return list(found)
+        cells, number = build_cells(system, system.check.radius, irrational=True), system.field
+        velocities = (own for cell in adjoining(cells) for own in cell.velocities)
+        return list(dict.fromkeys(tuple(number(part.at_origin) for part in own) for own in velocities))
 
     @cached_property
     def portrait(self) -> PhasePortrait:
