@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial
+from itertools import combinations_with_replacement
 from operator import mul
 from typing import NamedTuple
 
@@ -337,6 +338,20 @@ class _Trial:
             return here > 0
         return self.motion.least_weight(*self.later) - here >= -WEIGHT_CHANGE
 
+    def others_exist(self, extremes: Floats) -> bool:
+        """Whether a motion with another velocity leaves one on the surfaces held just ahead, too.
+
+        Looked at are those of some extreme velocities, and halfway to and between them.
+        """
+        ends = [self.velocity, *extremes]
+        for first, second in combinations_with_replacement(ends, 2):
+            velocity = (first + second) / 2
+            if largest(velocity - self.velocity) > TANGENT_SLACK * self.scale:
+                later = self.t + self.ahead, self.x + self.ahead * velocity
+                if self.motion.least_weight(*later) >= -WEIGHT_DOUBT:
+                    return True
+        return False
+
     def inward(self) -> int:
         """Whether the motion keeps to the bounds that the state lies on: 1 yes, -1 no, 0 not decided."""
         verdict = 1
@@ -417,6 +432,8 @@ def _choice(field: FacedField, trial: _Trial, orders: tuple[int, int] | None, *,
     if not len(extremes):
         return FaceChoice(motion, orders=orders, sure=sure)
     free = bool(spread(extremes) > TANGENT_SLACK * trial.scale) and not trial.only_rounding
+    if free and len(face.keep) > 1:
+        free = trial.others_exist(extremes)
     rates = None
     if field.heading is not None and len(face.keep) > 1:
         drift = extremes[:, field.heading]

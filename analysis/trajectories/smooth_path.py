@@ -416,6 +416,7 @@ def onto(x: Floats, surfaces: Sequence[Surface], size: float) -> Floats:
 ZENO_ERROR = 1e-12  # relative to the time passed: the integrator's own error
 ZENO_NOISE = 1e-9  # the same, where rounding keeps loops from getting more regular
 ZENO_DRAWN = 1e-3  # relative to the time passed: longer tails are followed turn by turn
+ZENO_ROUNDING = 1e-5  # of a coordinate in the last turn: what the limit leaves of it below is zero
 ZENO_LOOP = 4  # longest loop of crossings that is recognized, in crossings
 
 
@@ -489,10 +490,12 @@ class LoopMemory:
 
     def _limit(self, found: _Estimate) -> LoopLimit:
         start, here, tail = self.times[-1], self.states[-1], found.time - self.times[-1]
+        turn = np.abs(self.states[-found.loop :]).max(axis=0)
+        limit = np.where(np.abs(found.x) <= ZENO_ROUNDING * turn, 0.0, found.x)
         names = tuple(dict.fromkeys(self.places[-found.loop :]))
 
         def state(time: float) -> tuple[float, ...]:
-            return tuple((here + (found.x - here) * min(time / tail, 1.0)).tolist())
+            return tuple((here + (limit - here) * min(time / tail, 1.0)).tolist())
 
         piece = Piece(start, found.time, " | ".join(names), names, state, lambda: (start, found.time))
-        return LoopLimit(found.time, found.x, self.states[-found.loop :], piece)
+        return LoopLimit(found.time, limit, self.states[-found.loop :], piece)
