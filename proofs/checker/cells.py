@@ -14,8 +14,8 @@ from functools import partial
 from itertools import combinations, product
 from typing import Any, TypeAlias
 
-from .formulas import MAX_WAVES, NAME, Formula, WaveAt, parsed, series, waves_in
-from .polynomials import Coefficient, Polynomial, are_coprime, constant, solve, variable
+from .formulas import MAX_WAVES, NAME, Formula, SignOf, WaveAt, parsed, series, waves_in
+from .polynomials import Coefficient, Polynomial, are_coprime, constant, lie_derivative, solve, variable
 from .positivity import Claim, Inequality, Proofs, cube_guards, identity
 from .tower import Field, Number
 from .work import BUDGET, RejectedError, items, rational, require, take, text, whole
@@ -102,6 +102,18 @@ class System:
 
     def show_equivalent(self, inclusion: Inclusion) -> None:
         """Solutions in the coordinates are those of the states: nothing needs to be shown."""
+
+    def along(self, field: Sequence[Polynomial], function: Polynomial, domain: Domain, sign_of: SignOf) -> Polynomial:
+        """The derivative of a function along a field on a cell, in units of the half-width."""
+        return lie_derivative(function, field)
+
+    def across(self, field: Sequence[Polynomial], surface: Polynomial, domain: Domain) -> Polynomial:
+        """The derivative of a surface along a field where it vanishes, times a number other than zero."""
+        return lie_derivative(surface, field)
+
+    def bends_at(self, surface: Polynomial, domain: Domain) -> bool:
+        """Whether a function may bend on a surface though it is one polynomial around it."""
+        return False
 
 
 def read_system(data: Any) -> System:
@@ -378,7 +390,8 @@ class Inclusion:
     def _bending_surfaces(self) -> tuple[int, ...]:
         """The surfaces across which a function changes its polynomial."""
         by_signs = {cell.signs: cell for cell in self.cells}
-        found = set()
+        system, domain = self.domain.system, self.domain
+        found = {j for j, surface in enumerate(self.surfaces.listed) if system.bends_at(surface, domain)}
         for cell in self.cells:
             for j in range(len(cell.signs)):
                 other = by_signs.get(flipped(cell.signs, j))
@@ -427,6 +440,15 @@ class Inclusion:
         away = not face.holds_origin
         bounded = self.domain.bounded
         return self.proofs.shows(Claim(f"parted {name}", (empty,), strict=True, at_origin=away, bounded=bounded))
+
+    def along(self, field: Sequence[Polynomial], function: Polynomial, cell: Cell) -> Polynomial:
+        """The derivative of a function along a field, as on a cell."""
+        sign_of = partial(self.surfaces.sign_on, cell.signs)
+        return self.domain.system.along(field, function, self.domain, sign_of)
+
+    def across(self, field: Sequence[Polynomial], j: int) -> Polynomial:
+        """The derivative of the j-th surface along a field where it vanishes, times a number other than zero."""
+        return self.domain.system.across(field, self.surfaces.listed[j], self.domain)
 
     def around(self) -> list[Cell]:
         """The cells whose closures may hold the point."""

@@ -17,6 +17,11 @@ solution leaves ``V < level``.  ``V' <= -kappa V`` or ``V' <= -kappa`` is the sa
 ``Q^2 V' = Q P' - P Q'`` takes the place of V'.  Where ``Q(0) = 0``, Q is a form and P has terms of higher degree than Q
 alone: then V tends to 0 at the point, and what follows from its fall off the point is the same.
 
+*Time of the states.*  Of a system in the signed roots w of states x, velocities may be those of the states: V is a
+polynomial in w on each cell, with ``dV/dx = (dV/dw)/(q Abs(w)**(q - 1))`` again one.  So V is Lipschitz in x, with
+continuous derivatives on each closed cell, and the conditions are those above with this gradient.  Where q is even,
+``w**2`` may be ``Abs(x)``: V may bend at ``w = 0`` though it is one polynomial around it.
+
 *Logarithms.*  V may be ``Q + ln(1 + P)`` with one polynomial P, where P and Q are not negative: V is positive where
 ``Q + P`` is, and bounded only where this is, and ``(1 + P) V' = (1 + P) Q' + P'``.
 """
@@ -86,7 +91,7 @@ class Lyapunov:
     def derivative(self, cell: Cell, field: Sequence[Polynomial]) -> Polynomial:
         """V' along a field, times ``1 + P``, or times the square of the denominator."""
         own = self.listed(cell)
-        found = lie_derivative(own, field)
+        found = self.inclusion.along(field, own, cell)
         if self.inside is not None:
             return found + found * self.inside + lie_derivative(self.inside, field)
         return found if self.bottom is None else found * self.bottom - own * lie_derivative(self.bottom, field)
@@ -161,9 +166,21 @@ class Lyapunov:
             if self.is_left_out(zero, face):
                 continue
             for name, cells in self._groups(face):
-                if not _is_settled(face, cells):
+                if not self._is_settled(face, cells):
                     found.append((face, name, cells))
         return found
+
+    def _is_settled(self, face: Face, cells: Sequence[Cell]) -> bool:
+        """Whether the claims about closed cells suffice on a face.
+
+        They do where V is one polynomial around it, and does not bend for all that.  They do too where all cells have
+        the same fields on the face: V falls along all of these by the polynomial of any cell that reaches the place.
+        """
+        domain, surfaces = self.inclusion.domain, self.inclusion.surfaces.listed
+        if all(cell.functions == cells[0].functions for cell in cells):
+            return not any(domain.system.bends_at(surfaces[j], domain) for j in face.zero)
+        fields = [{tuple(map(face.restricted, field)) for _, field in cell.fields} for cell in cells]
+        return all(own == fields[0] for own in fields)
 
     def is_left_out(self, name: str, face: Face) -> bool:
         """Whether it is shown that the surfaces of a face vanish together at no place but the checked point.
@@ -221,8 +238,7 @@ class Lyapunov:
 
     def _pushes(self, face: Face, field: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
         """``-grad g_j . f`` of the surfaces that vanish on a face."""
-        surfaces = self.inclusion.surfaces.listed
-        return tuple(-face.restricted(lie_derivative(surfaces[j], field)) for j in face.zero)
+        return tuple(-face.restricted(self.inclusion.across(field, j)) for j in face.zero)
 
     def show_gradient(self, bound: Fraction) -> None:
         """``|grad V| <= bound`` on every closed cell, and V bends on at most one surface at a time off the point.
@@ -290,18 +306,6 @@ class Lyapunov:
         """What was shown on the cube holds in the whole space: cells are cones, and all claims are about forms."""
         cones = all(own.degree == 1 and own.is_form for own in self.inclusion.surfaces.listed)
         require(cones and self.proofs.are_forms, "cones and forms, for the whole space")
-
-
-def _is_settled(face: Face, cells: Sequence[Cell]) -> bool:
-    """Whether the claims about closed cells suffice on a face.
-
-    They do where V is one polynomial around it.  They do too where all cells have the same fields on the face: V falls
-    along all of these by the polynomial of any cell that reaches the place.
-    """
-    if all(cell.functions == cells[0].functions for cell in cells):
-        return True
-    fields = [{tuple(map(face.restricted, field)) for _, field in cell.fields} for cell in cells]
-    return all(own == fields[0] for own in fields)
 
 
 def sign_along(value: Polynomial, direction: Sequence[Fraction]) -> int:

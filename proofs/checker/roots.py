@@ -29,7 +29,7 @@ from functools import partial
 from itertools import combinations_with_replacement
 from typing import Any, NamedTuple
 
-from .cells import Face, Inclusion, System, read_system
+from .cells import Domain, Face, Inclusion, System, read_system
 from .formulas import Formula, SignOf, WaveAt, parts_without_calls
 from .polynomials import Coefficient, Polynomial, constant, solve
 from .positivity import Claim, Inequality
@@ -96,6 +96,40 @@ class RootedSystem(System):
         """Solutions cross all zeros of roots, where velocities are those of the roots."""
         for name in self.roots if self.scaled else ():
             show_crossed(inclusion, self.states.index(name), inclusion.domain.place[f"root_{name}"])
+
+    def along(self, field: Sequence[Polynomial], function: Polynomial, domain: Domain, sign_of: SignOf) -> Polynomial:
+        """The derivative on a cell; by the chain rule, where the velocities are those of the states.
+
+        Raises:
+            RejectedError: where a derivative by the root w of order q is no multiple of ``Abs(w)**(q - 1)``.
+        """
+        if self.scaled:
+            return super().along(field, function, domain, sign_of)
+        slopes = [function.derivative(k) for k in range(self.count)]
+        for name, order in self.roots.items():
+            k, root = self.states.index(name), Root(domain.place[f"root_{name}"], order)
+            slope = slopes[k].divided(root.speed(sign_of))
+            require(slope is not None, f"a function with a derivative by {name}")
+            slopes[k] = slope or constant(self.count, 0)
+        return sum((slope * part for slope, part in zip(slopes, field, strict=True)), constant(self.count, 0))
+
+    def across(self, field: Sequence[Polynomial], surface: Polynomial, domain: Domain) -> Polynomial:
+        """How solutions cross a surface; the zero of a root they cross as the state does.
+
+        Raises:
+            RejectedError: for another surface that depends on a root, where the velocities are those of the states.
+        """
+        for name in () if self.scaled else self.roots:
+            k = self.states.index(name)
+            if surface.divided(domain.place[f"root_{name}"]) is not None and surface.degree == 1:
+                return field[k]
+            require(not surface.derivative(k), "surfaces that are zeros of roots, or about other states")
+        return super().across(field, surface, domain)
+
+    def bends_at(self, surface: Polynomial, domain: Domain) -> bool:
+        """Whether it is the zero of a root of even order w, as ``w**2`` is that of ``Abs(x)``."""
+        even = [name for name, order in self.roots.items() if not (self.scaled or order % 2)]
+        return any(surface.divided(domain.place[f"root_{name}"]) is not None for name in even)
 
 
 def read_subject(data: Any) -> System:

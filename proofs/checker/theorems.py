@@ -36,18 +36,34 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     bounded.  With ``level``, every start of the cube with ``V < level`` stays there and tends to the point; with
     ``below``, nothing is asked of points with ``V >= level`` but on the border of the cube.  With ``rate``, V falls
     that fast; with ``gain`` beside it, of solutions of ``x' in F(x) + d`` it falls that fast less ``gain |d|``, in the
-    Euclidean norm.  With ``denominator`` V is a quotient, with ``logarithm`` it holds a logarithm (:mod:`.lyapunov`).
+    Euclidean norm.  With ``denominator`` V is a quotient, with ``logarithm`` it holds a logarithm, and with ``time``
+    velocities are those of the states of which there are roots (:mod:`.lyapunov`).
     """
     names = "cells function second verdict everywhere level below rate"
-    cells, function, second, verdict, everywhere, level, below, rate, gain, proper, growth, denominator, inside = take(
-        hypotheses, names, "gain proper growth denominator logarithm"
-    )
+    (
+        cells,
+        function,
+        second,
+        verdict,
+        everywhere,
+        level,
+        below,
+        rate,
+        gain,
+        proper,
+        growth,
+        denominator,
+        inside,
+        time,
+    ) = take(hypotheses, names, "gain proper growth denominator logarithm time")
     require(verdict in (ASYMPTOTICALLY_STABLE, STABLE), "a verdict")
     require(type(everywhere) is bool and type(below) is bool, "everywhere and below as true or false")
     attracts = verdict == ASYMPTOTICALLY_STABLE
     require(attracts or second is None, "further functions where the point attracts")
     require(everywhere is True or proper is growth is None, "a proper V for all starts")
-    own = read_functions(system, cells, function, second, proofs)
+    if time is not None:
+        require(second is level is denominator is inside is None, "a verdict alone in the time of the states")
+    own = read_functions(in_time(system, time), cells, function, second, proofs)
     if own.inclusion.domain.gradients is not None:
         require(level is rate is denominator is None and everywhere is False, "a verdict alone in a frame")
     if denominator is not None:
@@ -124,8 +140,9 @@ def show_instability(system: System, hypotheses: Any, proofs: Proofs) -> list[St
     is enough with further functions, as for stability: a solution that stayed in the cube would tend to the point,
     where V is zero.  And so is ``V' <= -speed V^2``, with a positive number: V falls below all bounds (Chetaev 1934).
     """
-    cells, function, second, direction, speed = take(hypotheses, "cells function second direction", "speed")
-    own = read_functions(system, cells, function, second, proofs)
+    cells, function, second, direction, speed, time = take(hypotheses, "cells function second direction", "speed time")
+    require(time is None or second is speed is None, "a verdict alone in the time of the states")
+    own = read_functions(in_time(system, time), cells, function, second, proofs)
     require(own.bounded, "a cube")
     own.below = Fraction(0)
     own.show_zero()
@@ -152,6 +169,14 @@ def show_departure(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
             product = sum(n * part.at_origin for n, part in zip(direction, field, strict=True))
             require(product > 0, "a direction in which all velocities at the point lead")
     return [{"stability": UNSTABLE}, {"equilibrium": False}]
+
+
+def in_time(system: System, time: Any) -> System:
+    """The system in the time of its roots, where it has some, or of its states, if these are named."""
+    if time is None:
+        return system
+    require(time == "states" and system.coordinates != system.states, "the time of states of which there are roots")
+    return system.stated
 
 
 def read_functions(system: System, cells: Any, function: Any, second: Any, proofs: Proofs) -> Lyapunov:

@@ -434,6 +434,21 @@ def sines_beside_roots() -> Iterator[Case]:
     yield Case("root-sines", about, "lyapunov", lyapunov("root_x**2", cells("root_x", within="1/2")))
 
 
+def functions_of_states() -> Iterator[Case]:
+    """A V with derivatives by states of which there are roots: what slides along a zero of one, and what leaves."""
+    slides, root = subject(["-10*sign(x)", "-y"]), "sign(x)*Abs(x)**(1/3)"
+    in_time = {"time": "states"}
+    for order, function in ((2, "root_x**2 + y**2"), (3, "Abs(root_x)**3 + y**2"), (4, "root_x**4 + y**2")):
+        own = {**slides, "roots": ["x"], "orders": [order]}
+        hypotheses = {**lyapunov(function, cells("root_x")), **in_time}
+        yield Case(f"states-slide-{order}", own, "lyapunov", hypotheses)
+    third = {"roots": ["x"], "orders": [3]}
+    falls = {**lyapunov("Abs(root_x)**3", cells("root_x"), everywhere=True), **in_time}
+    yield Case("states-third", {**subject([f"-{root}"]), **third}, "lyapunov", falls)
+    rises = {**instability("-Abs(root_x)**3", cells("root_x"), ["1"]), **in_time}
+    yield Case("states-leave", {**subject([root]), **third}, "instability", rises)
+
+
 def jumps_with_what_is_continuous() -> Iterator[Case]:
     """A relay of a state and of what saturates another one, which drives it."""
     fall = entry_about("x", ["-x**3"], "lyapunov", lyapunov("x**2", cells()))
@@ -743,6 +758,7 @@ GROUPS = (
     slides,
     basins_in_space,
     sines_beside_roots,
+    functions_of_states,
     jumps_with_what_is_continuous,
 )
 

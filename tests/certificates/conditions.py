@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from itertools import permutations, product
 from typing import Any
 
 from nonsmooth.proofs.checker.roots import read_subject
-from nonsmooth.proofs.kernel.search import Search
+from nonsmooth.proofs.kernel.search import NotShownError, Search
 from tests.certificates.corpus import good_certificates
 from tests.certificates.forgeries import GONE, Forgery, Path, Record
 
@@ -241,6 +242,40 @@ def of_other_roots() -> Iterator[Forgery]:
     yield own
 
 
+def of_functions_of_states() -> Iterator[Forgery]:
+    """A V of the states in their roots that says nothing, and what is said in their time alone."""
+    in_time, slides = {"time": "states"}, {"states": ["x", "y"], "rhs": [["-10*sign(x)", "-y"]], "at": ["0", "0"]}
+    because = "the time of states of which there are roots"
+    yield of_one_state(because, "-x", [ATTRACTS], FALLS, in_time)
+    time: Path = ["evidence", 0, "hypotheses", "time"]
+    yield Forgery("one condition", "states-third", ((time, "roots"),), because=because)
+    level: Path = ["evidence", 0, "hypotheses", "level"]
+    because = "a verdict alone in the time of the states"
+    yield Forgery("one condition", "states-third", ((level, "1"),), because=because)
+    speed: Path = ["evidence", 0, "hypotheses", "speed"]
+    yield Forgery("one condition", "states-leave", ((speed, "1"),), because=because)
+
+    def unshown(because: str, function: str, order: int, rhs: list[str], *surfaces: str) -> Forgery:
+        """With evidence of all that is asked before what refuses it."""
+        about = {**slides, "states": ["x", "y"][: len(rhs)], "rhs": [rhs], "at": ["0"] * len(rhs)}
+        own = {**about, "roots": ["x"], "orders": [order]}
+        falls = {"cells": {**cube("1"), "surfaces": ["root_x", *surfaces]}, "function": function, **in_time}
+        known, search = of_one_state(because, "", [ATTRACTS], {}, falls, subject=own), Search()
+        hypotheses = json.loads(known.text[0][0])["evidence"][0]["hypotheses"]
+        with suppress(NotShownError):
+            search.entry(read_subject(own), "lyapunov", hypotheses)
+        proofs = {name: evidence for name, (_, evidence) in search.found.items()}
+        return of_one_state(because, "", [ATTRACTS], proofs, falls, subject=own)
+
+    # y grows while x stays where Abs(x) bends, whatever the polynomials of V around it
+    yield unshown("a proof of face 0", "root_x**2 + y**2", 2, ["-10*sign(x)", "y"])
+    yield unshown("a proof of face 0", "Abs(root_x)**3 + y**2", 3, ["-10*sign(x)", "y"])
+    yield unshown("a function with a derivative by x", "root_x**2 + y**2", 3, ["-10*sign(x)", "-y"])
+    bends = "Abs(root_x)**3 + relu(root_x**3 - 1/64)"
+    words = "surfaces that are zeros of roots, or about other states"
+    yield unshown(words, bends, 3, ["-2*sign(x) - sign(x - 1/64)"], "root_x**3 - 1/64")
+
+
 def of_evidence() -> Iterator[Forgery]:
     """Evidence of every kind that shows nothing."""
 
@@ -371,7 +406,7 @@ def of_documents() -> Iterator[Forgery]:
     yield of_one_state("a claim", "-x", [], FALLS, {})
     words = 'evidence of the claim {"attracts": "everywhere"}'
     yield of_one_state(words, "-x", [ATTRACTS, EVERYWHERE], FALLS, {})
-    keys = "cells function second verdict everywhere level below rate gain proper growth denominator logarithm"
+    keys = "cells function second verdict everywhere level below rate gain proper growth denominator logarithm time"
     yield of_one_state(f"an object with the keys {keys}", "-x", [ATTRACTS], FALLS, {"trust": True})
     other: Path = ["version"]
     words = "the version nonsmooth-certificate/2"
@@ -904,7 +939,16 @@ def of_names_of_roots() -> Iterator[Forgery]:
 def conditions() -> Iterator[Forgery]:
     """All of them."""
     for kind in (
-        *(of_lyapunov, of_gain, of_quotients, of_proper, of_instability, of_roots, of_other_roots),
+        *(
+            of_lyapunov,
+            of_gain,
+            of_quotients,
+            of_proper,
+            of_instability,
+            of_roots,
+            of_other_roots,
+            of_functions_of_states,
+        ),
         *(of_evidence, of_squares, of_pairs, of_further_functions, of_formulas, of_documents),
         *(of_cells, of_faces, of_points, of_pieces),
         *(of_escape, of_choice, of_circles, of_centres, of_polygons, of_meshes, of_names_of_roots, of_parts),
