@@ -181,6 +181,15 @@ def decide_by_weights(point: CheckedPoint) -> Finding | None:
     return _of_entry(point, found and found[0])
 
 
+def decide_in_time_of_states(point: CheckedPoint) -> Finding | None:
+    """A V of the states, by forms in their roots, where not every solution crosses the zeros of these."""
+    from nonsmooth.proofs.kernel.rooted_functions import find_function_of_states
+
+    system = with_known_numbers(point.system)
+    found = None if system.by_roots is None or point.is_covered else find_function_of_states(system)
+    return _of_entry(point, found and found[0])
+
+
 def _of_entry(point: CheckedPoint, entry: Record | None, *, directed: bool = False) -> Finding | None:
     """What a V shows with its evidence: that the point attracts, or is unstable; see :func:`entry_facts`."""
     if entry is None:

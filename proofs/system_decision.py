@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.proofs.falling_function import FallingFunction, claims_about
 from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
+from nonsmooth.proofs.kernel.rooted_functions import in_roots_of_weights
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, are_about_forms
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -86,7 +87,8 @@ class StabilityResult(DecidedSystem):
 def decide_system(system: SwitchedSystem) -> StabilityResult:
     """Decide the stability of the checked point.
 
-    Where it stays open it is looked at nearer, without surfaces that do not hold it, and with further terms of sines.
+    Where it stays open it is looked at nearer, without surfaces that do not hold it, in roots of states, and with
+    further terms of sines.
 
     Raises:
         SceneError: for formulas that cannot be used, and for denominators that may vanish.
@@ -95,6 +97,10 @@ def decide_system(system: SwitchedSystem) -> StabilityResult:
     nearer = _without_far_surfaces(system) if result.verdict is Translation.UNDECIDED else None
     if nearer is not None:
         again = _decided(nearer)
+        result = result if again.verdict is Translation.UNDECIDED else again
+    rooted = in_roots_of_weights(system) if result.verdict is Translation.UNDECIDED else None
+    if rooted is not None:
+        again = _decided(rooted)
         result = result if again.verdict is Translation.UNDECIDED else again
     for order in range(system.order + 1, MOST_ORDER + 1):
         if result.verdict is not Translation.UNDECIDED or not system.waves:
@@ -513,6 +519,7 @@ STRATEGIES = [
     Strategy("no equilibrium", TWO, IN_PLANE, "decide_no_equilibrium"),
     Strategy("no equilibrium", MORE, IN_SPACE, "decide_no_equilibrium"),
     Strategy("cascade, of roots", SEVERAL, __name__, "decide_rooted_cascade", SILENT),
+    Strategy("function of the states, in roots", SEVERAL, KERNEL, "decide_in_time_of_states", SILENT),
     Strategy("uncovered axes of roots", SEVERAL, __name__, "leave_uncovered"),
     Strategy("relative degree of a relay", MORE, IN_SPACE, "decide_by_relay"),
     Strategy("linearization", MORE, IN_SPACE, "decide_by_linearization"),

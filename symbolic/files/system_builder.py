@@ -96,6 +96,25 @@ def with_order(system: SwitchedSystem, order: int) -> SwitchedSystem:
     return _of_lists(system, system.written, order)
 
 
+def with_roots(system: SwitchedSystem, orders: Sequence[int]) -> SwitchedSystem:
+    """A system in the signed roots of its states, which is checked at the origin.
+
+    Args:
+        system: without a V of its own.
+        orders: of the root of each state, a multiple of those that formulas ask for; 1 where it stays itself.
+
+    Raises:
+        SceneError: for formulas of too high a degree, and where the name of a root is taken.
+    """
+    stated = {"states": list(system.stated_states), "rhs": list(map(list, stated_lists(system)))}
+    radius = {"radius": str(system.check.radius)}
+    document = validate(SystemDocument, {"name": system.name, "system": stated, "check": radius}, system.source)
+    rooted = {name: order for name, order in zip(system.stated_states, orders, strict=True) if order > 1}
+    roots = SignedRoots(system.stated_states, tuple(rooted), tuple(rooted.values()))
+    found = _seen_by_roots(document, roots, system.source, Path(system.name))
+    return replace(found, intervals=system.intervals, overlaps=system.overlaps)
+
+
 def without_waves(system: SwitchedSystem) -> SwitchedSystem | None:
     """The system of those right-hand sides without sines and cosines of states; None where there are none.
 
