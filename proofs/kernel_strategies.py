@@ -38,6 +38,7 @@ from nonsmooth.proofs.systems.findings import (
 )
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
+from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
@@ -181,12 +182,16 @@ def decide_by_weights(point: CheckedPoint) -> Finding | None:
     return _of_entry(point, found and found[0])
 
 
-def decide_in_time_of_states(point: CheckedPoint) -> Finding | None:
-    """A V of the states, by forms in their roots, where not every solution crosses the zeros of these."""
+def decide_uncovered_by_roots(point: CheckedPoint) -> Finding | None:
+    """A V about roots of the states, where not every solution crosses the zeros of those in the formulas."""
+    return None if point.system.by_roots is None or point.is_covered else decide_by_roots(point)
+
+
+def decide_by_roots(point: CheckedPoint) -> Finding | None:
+    """A V about roots of the states of which all have one weight, in the time of the states."""
     from nonsmooth.proofs.kernel.rooted_functions import find_function_of_states
 
-    system = with_known_numbers(point.system)
-    found = None if system.by_roots is None or point.is_covered else find_function_of_states(system)
+    found = find_function_of_states(with_known_numbers(point.system))
     return _of_entry(point, found and found[0])
 
 
@@ -371,12 +376,21 @@ def entry_facts(system: SwitchedSystem, entry: Record, *, directed: bool = False
     from nonsmooth.proofs.many_states.center_manifold import coordinates_in
 
     hypotheses, where = entry["hypotheses"], "the whole space"
-    cells = hypotheses["cells"]
+    cells, roots = hypotheses["cells"], signed_roots_of(system, hypotheses)
+    names = coordinates_in(cells, system.states) if roots is None else roots.seen_states
     if cells["within"] is not None:
-        where = cube_text(system.field(Fraction(cells["within"])), coordinates_in(cells, system.states))
+        where = cube_text(system.field(Fraction(cells["within"])), names)
+    if roots is not None:
+        where += f", in the time of the states, with {' and '.join(roots.meanings)}"
     if directed:
         where += f"; V < 0 in the direction ({', '.join(hypotheses['direction'])})"
     return function_facts(quotient_text(hypotheses), where)
+
+
+def signed_roots_of(system: SwitchedSystem, hypotheses: Record) -> SignedRoots | None:
+    """The roots that a theorem has functions of; None where these are of the coordinates of the system."""
+    listed: dict[str, int] = hypotheses.get("roots") or {}
+    return SignedRoots(system.stated_states, tuple(listed), tuple(listed.values())) if listed else None
 
 
 def _of_point(point: CheckedPoint, function: ExaminedLyapunov) -> ExaminedFunction:

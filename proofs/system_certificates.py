@@ -9,7 +9,7 @@ is written has passed the checker.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -26,6 +26,7 @@ from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.falling_function import growth_hypotheses, stated_function
 from nonsmooth.proofs.findings import Record, Translation
+from nonsmooth.proofs.kernel.arrival import Arrival
 from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
 from nonsmooth.proofs.kernel.homogeneity import Homogeneity
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
@@ -139,6 +140,8 @@ def _certificate_about(result: DecidedSystem) -> Record:
             draft.add_global(system, result.reach.global_entry)
             if result.reach.homogeneous is not None:
                 draft.add_homogeneous(system, result.scene, result.reach.homogeneous)
+            if result.reach.arrival is not None:
+                draft.add_arrival(system, result.reach.arrival, result.scene.stated_states)
             if result.reach.basin is not None and system.numbers:
                 raise NoCertificateError("a certificate of a mesh of triangles needs rational numbers")
             if result.reach.basin is not None:
@@ -252,6 +255,15 @@ class Draft:
         """That every start reaches the point, or arrives, as the field is homogeneous, where that is shown."""
         with suppress(NotShownError, BeyondReachError):
             self.add_entry(system, "homogeneous", found.hypotheses(scene, self.evidence[0]))
+
+    def add_arrival(self, system: System, found: Arrival, states: Sequence[str]) -> None:
+        """After which time solutions are at the point, where that is shown."""
+        try:
+            self.add_entry(system, "lyapunov", found.entry["hypotheses"], found.entry["proofs"])
+        except NotShownError as error:
+            self.left_out.append(
+                f"all solutions are at the equilibrium after {found.words(states)}: {UNSHOWN}: {error}"
+            )
 
     def add_entry(
         self, system: System, theorem: str, hypotheses: Record, known: Mapping[str, Any] | None = None

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.proofs.falling_function import FallingFunction, claims_about
 from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
-from nonsmooth.proofs.kernel.rooted_functions import in_roots_of_weights
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, are_about_forms
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -36,7 +35,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, with_known_numbers
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.parts import CascadeBlock, Parts
@@ -87,8 +86,7 @@ class StabilityResult(DecidedSystem):
 def decide_system(system: SwitchedSystem) -> StabilityResult:
     """Decide the stability of the checked point.
 
-    Where it stays open it is looked at nearer, without surfaces that do not hold it, in roots of states, and with
-    further terms of sines.
+    Where it stays open it is looked at nearer, without surfaces that do not hold it, and with further terms of sines.
 
     Raises:
         SceneError: for formulas that cannot be used, and for denominators that may vanish.
@@ -97,10 +95,6 @@ def decide_system(system: SwitchedSystem) -> StabilityResult:
     nearer = _without_far_surfaces(system) if result.verdict is Translation.UNDECIDED else None
     if nearer is not None:
         again = _decided(nearer)
-        result = result if again.verdict is Translation.UNDECIDED else again
-    rooted = in_roots_of_weights(system) if result.verdict is Translation.UNDECIDED else None
-    if rooted is not None:
-        again = _decided(rooted)
         result = result if again.verdict is Translation.UNDECIDED else again
     for order in range(system.order + 1, MOST_ORDER + 1):
         if result.verdict is not Translation.UNDECIDED or not system.waves:
@@ -111,7 +105,18 @@ def decide_system(system: SwitchedSystem) -> StabilityResult:
                 break
             again = _decided(finer)
             result = result if again.verdict is Translation.UNDECIDED else again
-    return result
+    return _with_arrival(result)
+
+
+def _with_arrival(result: StabilityResult) -> StabilityResult:
+    """With a bound of the time after which solutions are at the point, of a homogeneous field of negative degree."""
+    known = result.reach.homogeneous
+    if known is None or not known.arrives:
+        return result
+    from nonsmooth.proofs.kernel.arrival import find_arrival
+
+    arrival = find_arrival(with_known_numbers(result.scene), known)
+    return replace(result, reach=replace(result.reach, arrival=arrival))
 
 
 def _without_far_surfaces(system: SwitchedSystem) -> SwitchedSystem | None:
@@ -424,7 +429,8 @@ def _reach_by_function(point: CheckedPoint, found: Finding, known: Reach) -> Rea
 def _with_rate(system: SwitchedSystem, entry: dict[str, Any] | None, reach: Reach) -> Reach:
     """With the rate of a V that stands in evidence alone, as every start comes to the point and no V decides."""
     function = None if entry is None else entry["hypotheses"].get("function")
-    if entry is None or not isinstance(function, str) or "denominator" in entry["hypotheses"]:
+    others = {"denominator", "roots"}  # of which V is no formula of the coordinates
+    if entry is None or not isinstance(function, str) or others & entry["hypotheses"].keys():
         return reach
     from nonsmooth.proofs.many_states.decision import SpacePoint
 
@@ -519,7 +525,7 @@ STRATEGIES = [
     Strategy("no equilibrium", TWO, IN_PLANE, "decide_no_equilibrium"),
     Strategy("no equilibrium", MORE, IN_SPACE, "decide_no_equilibrium"),
     Strategy("cascade, of roots", SEVERAL, __name__, "decide_rooted_cascade", SILENT),
-    Strategy("function of the states, in roots", SEVERAL, KERNEL, "decide_in_time_of_states", SILENT),
+    Strategy("function of roots, in the time of the states", SEVERAL, KERNEL, "decide_uncovered_by_roots", SILENT),
     Strategy("uncovered axes of roots", SEVERAL, __name__, "leave_uncovered"),
     Strategy("relative degree of a relay", MORE, IN_SPACE, "decide_by_relay"),
     Strategy("linearization", MORE, IN_SPACE, "decide_by_linearization"),
@@ -559,6 +565,7 @@ STRATEGIES = [
     Strategy("energy with its sign turned", SEVERAL, KERNEL, "decide_by_turned_energy", SILENT),
     Strategy("energy on circles", range(1, 9), KERNEL, "decide_by_circles", SILENT),
     Strategy("reversing symmetry", TWO, KERNEL, "decide_by_symmetry", OPEN),
+    Strategy("function of roots, in the time of the states", SEVERAL, KERNEL, "decide_by_roots", SILENT),
     Strategy("searched V, in large programs", MORE, IN_SPACE, "search_large_function"),
     Strategy("function that shows instability, in large programs", MORE, KERNEL, "decide_by_large_growth", SILENT),
 ]

@@ -38,6 +38,7 @@ from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.kernel.arrival import Arrival
     from nonsmooth.proofs.system_audit import AuditResult
     from nonsmooth.proofs.systems.basin import CertifiedBasin
     from nonsmooth.symbolic.mechanics.scene import Scene
@@ -74,6 +75,13 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
         own = reach.homogeneous
         record = {"weights": Quantity(own.weights), "degree": Quantity(own.degree)}
         yield Fact("homogeneous", record, str(own), row="homogeneous")
+    if reach.arrival is not None:
+        yield Fact(
+            "arrival_time",
+            _arrival_record(reach.arrival),
+            arrival_words(reach, scene.stated_states),
+            row="time of arrival",
+        )
     if reach.region is not None:
         yield row_fact("region", region_words(reach.region, states))
     if reach.reshaped is not None:
@@ -124,6 +132,18 @@ def _roots(result: DecidedSystem, roots: SignedRoots) -> Fact:
     said = "solutions near the equilibrium arrive in finite time" if in_time else "not known to be finite"
     stable = result.verdict is Translation.ASYMPTOTICALLY_STABLE
     return Fact("roots", record, said, row="arrival") if stable else Fact("roots", record)
+
+
+def _arrival_record(arrival: Arrival) -> dict[str, object]:
+    numbers = {"factor": Quantity(arrival.factor), "size": Quantity(arrival.size)}
+    return {**numbers, "orders": list(arrival.orders), "power": arrival.power}
+
+
+def arrival_words(reach: Reach, states: Sequence[str]) -> str:
+    """After which time every solution is at the point, by the states from which it starts."""
+    bound = "" if reach.arrival is None else reach.arrival.words(states)
+    start = states[0] if len(states) == 1 else f"({', '.join(states)})"
+    return f"every solution from {start} is at the equilibrium after at most {bound}"
 
 
 def rewriting_words(system: SwitchedSystem) -> str:
@@ -201,6 +221,10 @@ def global_words(entry: Mapping[str, Any]) -> str:
     """Which V shows that every start reaches the point."""
     hypotheses = entry["hypotheses"]
     function, bounded = f"V = {quotient_text(hypotheses)}", "where its level sets are bounded"
+    roots = hypotheses.get("roots")
+    if roots is not None:
+        known = SignedRoots(tuple(roots), tuple(roots), tuple(roots.values()))
+        bounded = f"{bounded}, with {' and '.join(known.meanings)}"
     if hypotheses["second"] is None:
         return f"{function} falls in the whole space too, {bounded}"
     return f"{function} does not increase in the whole space, {bounded}, and no other solution stays where V' = 0"

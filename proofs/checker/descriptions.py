@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -152,8 +152,14 @@ def _attracts(said: Any, system: System) -> str:
     return f"{starts} tends to the point, {_function(said, system)}"
 
 
-def _arrives(said: str, system: System) -> str:
-    return f"every solution arrives {said}"
+def _arrives(said: Any, system: System) -> str:
+    if type(said) is str:
+        return f"every solution arrives {said}"
+    away = _away(system.states, system.at)
+    sizes = [f"abs({own})" + (f"^(1/{q})" if q > 1 else "") for own, q in zip(away, said["orders"], strict=True)]
+    size = " + ".join(map(_times, said["size"], sizes))
+    power = "" if said["power"] == 1 else f"^{said['power']}"
+    return f"every solution is at the point after {_factor(said['factor'])} ({size}){power} at the latest"
 
 
 def _outside(said: Any, system: System) -> str:
@@ -182,9 +188,13 @@ def _disturbance(system: System) -> str:
 
 
 def _cube(said: Any, system: System) -> str:
-    pairs = zip(system.coordinates, system.origin, strict=True)
-    away = [f"{name} - {_coordinate(at)}" if at else name for name, at in pairs]
+    away = _away(system.coordinates, system.origin)
     return f"{', '.join(f'abs({own})' for own in away)} <= {said['within']}"
+
+
+def _away(names: Sequence[str], point: Sequence[Any]) -> list[str]:
+    """Coordinates from a point."""
+    return [f"{name} - {_coordinate(at)}" if at else name for name, at in zip(names, point, strict=True)]
 
 
 def _function(said: Any, system: System) -> str:

@@ -17,10 +17,10 @@ solution leaves ``V < level``.  ``V' <= -kappa V`` or ``V' <= -kappa`` is the sa
 ``Q^2 V' = Q P' - P Q'`` takes the place of V'.  Where ``Q(0) = 0``, Q is a form and P has terms of higher degree than Q
 alone: then V tends to 0 at the point, and what follows from its fall off the point is the same.
 
-*Time of the states.*  Of a system in the signed roots w of states x, velocities may be those of the states: V is a
-polynomial in w on each cell, with ``dV/dx = (dV/dw)/(q Abs(w)**(q - 1))`` again one.  So V is Lipschitz in x, with
-continuous derivatives on each closed cell, and the conditions are those above with this gradient.  Where q is even,
-``w**2`` may be ``Abs(x)``: V may bend at ``w = 0`` though it is one polynomial around it.
+*Roots.*  V may be about signed roots ``w = sign(x) Abs(x)**(1/q)`` of states x: a polynomial in w on each cell, with
+``dV/dx = (dV/dw)/(q Abs(w)**(q - 1))`` again one.  So V is Lipschitz in x, with continuous derivatives on each closed
+cell, and the conditions are those above with this gradient and the velocities of the states.  Where q is even, ``w**2``
+may be ``Abs(x)``: V may bend at ``w = 0`` though it is one polynomial around it.
 
 *Logarithms.*  V may be ``Q + ln(1 + P)`` with one polynomial P, where P and Q are not negative: V is positive where
 ``Q + P`` is, and bounded only where this is, and ``(1 + P) V' = (1 + P) Q' + P'``.
@@ -122,6 +122,11 @@ class Lyapunov:
         for name, signs, cell in self.inclusion.pieces():
             guards = self._guards(whole_domain(self.inclusion), signs, cell) or {}
             self._show_on_cell(f"V {name}", self.potential(cell), guards, strict=True)
+
+    def show_below(self, name: str, signs: SurfaceSigns, cell: Cell, bound: Polynomial) -> None:
+        """V is at most a bound on a piece."""
+        guards = self._guards(whole_domain(self.inclusion), signs, cell) or {}
+        self._show_on_cell(f"size {name}", bound - self.potential(cell), guards, strict=False)
 
     def show_falls(self, prefix: str, shift: Shift, *, strict: bool) -> None:
         """``V' + shift < 0`` off the point, or ``<= 0``: on closed cells and on all faces on which V bends."""

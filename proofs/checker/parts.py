@@ -322,7 +322,8 @@ def require_smooth(entry: Any) -> None:
     """
     theorem, hypotheses, data = take(entry, "theorem hypotheses proofs")
     smooth = theorem == "lyapunov" and not any(name.startswith("face") for name in data)
-    require(smooth and hypotheses.get("denominator") is None, "a carried part with a V that bends nowhere, no quotient")
+    plain = hypotheses.get("denominator") is hypotheses.get("roots") is None
+    require(smooth and plain, "a carried part with a V that bends nowhere, no quotient")
 
 
 def show_sliding(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:

@@ -23,7 +23,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import partial
 from itertools import combinations_with_replacement
@@ -155,6 +155,21 @@ def read_roots(listed: Any, given: Any, states: Sequence[str]) -> dict[str, int]
     orders = [whole(order, MAX_ORDER) for order in items(squares if given is None else given, len(roots))]
     require(min(orders) >= 2, "roots of an order of two at least")
     return dict(zip(roots, orders, strict=True))
+
+
+def in_roots(system: System, data: Any) -> RootedSystem:
+    """The same system, in its own time, for functions of the signed roots of some states, whose orders are given.
+
+    Raises:
+        RejectedError: for names of roots that mean something else.
+    """
+    require(type(data) is dict, "orders of roots by the names of states")
+    roots = read_roots(list(data), list(data.values()), system.states)
+    known = {own.name: getattr(system, own.name) for own in fields(System)}
+    found = RootedSystem(**known, roots=roots, scaled=False)
+    require(len(set(found.coordinates)) == found.count, "names of roots that are no states")
+    require(not set(found.coordinates) & set(system.numbers), "names of numbers that are no roots")
+    return found
 
 
 def signed_root(value: Coefficient, order: int) -> Fraction:

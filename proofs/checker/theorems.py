@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
@@ -11,7 +12,8 @@ from .invariance import MAX_OTHERS, Chain
 from .lyapunov import Lyapunov
 from .polynomials import Polynomial, constant
 from .positivity import Proofs
-from .work import items, rational, require, take
+from .roots import in_roots
+from .work import items, rational, require, take, whole
 
 Statement: TypeAlias = dict[str, Any]
 
@@ -36,34 +38,27 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     bounded.  With ``level``, every start of the cube with ``V < level`` stays there and tends to the point; with
     ``below``, nothing is asked of points with ``V >= level`` but on the border of the cube.  With ``rate``, V falls
     that fast; with ``gain`` beside it, of solutions of ``x' in F(x) + d`` it falls that fast less ``gain |d|``, in the
-    Euclidean norm.  With ``denominator`` V is a quotient, with ``logarithm`` it holds a logarithm, and with ``time``
-    velocities are those of the states of which there are roots (:mod:`.lyapunov`).
+    Euclidean norm.  With ``denominator`` V is a quotient, with ``logarithm`` it holds a logarithm, with ``roots`` it is
+    about roots of states (:mod:`.lyapunov`); with ``arrival`` all solutions are at the point after a time.
     """
-    names = "cells function second verdict everywhere level below rate"
-    (
-        cells,
-        function,
-        second,
-        verdict,
-        everywhere,
-        level,
-        below,
-        rate,
-        gain,
-        proper,
-        growth,
-        denominator,
-        inside,
-        time,
-    ) = take(hypotheses, names, "gain proper growth denominator logarithm time")
+    names, more = (
+        "cells function second verdict everywhere level below rate",
+        "gain proper growth denominator logarithm",
+    )
+    cells, function, second, verdict, everywhere, level, below, rate, *others = take(
+        hypotheses, names, f"{more} roots arrival"
+    )
+    gain, proper, growth, denominator, inside, roots, arrival = others
     require(verdict in (ASYMPTOTICALLY_STABLE, STABLE), "a verdict")
     require(type(everywhere) is bool and type(below) is bool, "everywhere and below as true or false")
     attracts = verdict == ASYMPTOTICALLY_STABLE
     require(attracts or second is None, "further functions where the point attracts")
     require(everywhere is True or proper is growth is None, "a proper V for all starts")
-    if time is not None:
-        require(second is level is denominator is inside is None, "a verdict alone in the time of the states")
-    own = read_functions(in_time(system, time), cells, function, second, proofs)
+    if roots is not None:
+        require(second is level is rate is denominator is inside is None, "a verdict and a time of arrival in roots")
+        system = in_roots(system, roots)
+    require(arrival is None or (attracts and everywhere is True and roots is not None), "a time of arrival in roots")
+    own = read_functions(system, cells, function, second, proofs)
     if own.inclusion.domain.gradients is not None:
         require(level is rate is denominator is None and everywhere is False, "a verdict alone in a frame")
     if denominator is not None:
@@ -85,6 +80,8 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
         about["surfaces"] = cells["surfaces"]  # to whose signs the pieces of V refer
     if system.coordinates != system.states:
         about["in"] = list(system.coordinates)
+    if arrival is not None:
+        shown.append({"arrives": show_arrival(own, arrival)})
     if everywhere is True:
         require(attracts and below is not True, "an attracting point")
         if proper is growth is None:
@@ -132,6 +129,50 @@ def show_rate(own: Lyapunov, rate: Any, gain: Any = None) -> None:
         own.show_gradient(rational(gain) * own.inclusion.domain.radius)
 
 
+def show_arrival(own: Lyapunov, data: Any) -> Statement:
+    """Every solution is at the point after at most ``T S^e``, S the size ``sum_k c_k Abs(x_k)**(1/q_k)`` of its start.
+
+    Let all pieces of V be forms of degree p.  If ``V <= above S^p`` and ``V' <= -speed S^(p - e)``, then
+    ``V' <= -speed (V/above)^((p - e)/p)``, so that ``V^(e/p)`` falls at least as fast as
+    ``(e/p) speed above^(-(p - e)/p)``, and is zero after ``p above S^e/(e speed)`` at the latest.  These are claims
+    about forms in the whole space, as all others are.
+
+    Returns:
+        The factor T, the numbers c, the orders q, 1 where the state itself stands, and the power e.
+    """
+    size, above, speed, power = take(data, "size above speed power")
+    weights = [rational(value) for value in items(size, own.count)]
+    bound, fall = rational(above), rational(speed)
+    require(min(*weights, bound, fall) > 0, "a time of arrival of positive numbers")
+    system = own.inclusion.domain.system
+    at_zero = all(not value for value, q in zip(system.origin, system.orders, strict=True) if q > 1)
+    require(at_zero, "roots that are zero at the point")
+    degrees = {sum(e) for cell in own.inclusion.cells for e in own.potential(cell).terms}
+    require(len(degrees) == 1, "a V of forms of one degree")
+    (degree,) = degrees
+    e = whole(power, degree)
+    require(e > 0, "a time of arrival with a positive power")
+    radius = own.inclusion.domain.radius
+
+    def power_of_size(cell: Cell, exponent: int) -> Polynomial:
+        return size_on(own.inclusion, cell, system.coordinates, weights).power(exponent)
+
+    for name, signs, cell in own.inclusion.pieces():
+        own.show_below(name, signs, cell, power_of_size(cell, degree).times(bound))
+    own.show_falls("arrival ", lambda cell: power_of_size(cell, degree - e).times(fall * radius), strict=False)
+    factor = degree * bound / (e * fall)
+    return {"factor": str(factor), "size": size, "orders": list(system.orders), "power": e}
+
+
+def size_on(inclusion: Inclusion, cell: Cell, names: Sequence[str], weights: Sequence[Fraction]) -> Polynomial:
+    """``sum_k c_k Abs(w_k)`` of coordinates with these names, from the point, on a cell."""
+    total = constant(inclusion.count, 0)
+    for name, weight in zip(names, weights, strict=True):
+        coordinate = inclusion.domain.displacement[name]
+        total += coordinate.times(weight * inclusion.surfaces.sign_on(cell.signs, coordinate))
+    return total
+
+
 def show_instability(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
     """V falls where it is not positive, and is negative at all small distances in one direction, inside a cell.
 
@@ -140,9 +181,11 @@ def show_instability(system: System, hypotheses: Any, proofs: Proofs) -> list[St
     is enough with further functions, as for stability: a solution that stayed in the cube would tend to the point,
     where V is zero.  And so is ``V' <= -speed V^2``, with a positive number: V falls below all bounds (Chetaev 1934).
     """
-    cells, function, second, direction, speed, time = take(hypotheses, "cells function second direction", "speed time")
-    require(time is None or second is speed is None, "a verdict alone in the time of the states")
-    own = read_functions(in_time(system, time), cells, function, second, proofs)
+    cells, function, second, direction, speed, roots = take(
+        hypotheses, "cells function second direction", "speed roots"
+    )
+    require(roots is None or second is speed is None, "a verdict alone in roots")
+    own = read_functions(system if roots is None else in_roots(system, roots), cells, function, second, proofs)
     require(own.bounded, "a cube")
     own.below = Fraction(0)
     own.show_zero()
@@ -169,14 +212,6 @@ def show_departure(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
             product = sum(n * part.at_origin for n, part in zip(direction, field, strict=True))
             require(product > 0, "a direction in which all velocities at the point lead")
     return [{"stability": UNSTABLE}, {"equilibrium": False}]
-
-
-def in_time(system: System, time: Any) -> System:
-    """The system in the time of its roots, where it has some, or of its states, if these are named."""
-    if time is None:
-        return system
-    require(time == "states" and system.coordinates != system.states, "the time of states of which there are roots")
-    return system.stated
 
 
 def read_functions(system: System, cells: Any, function: Any, second: Any, proofs: Proofs) -> Lyapunov:

@@ -19,19 +19,21 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from itertools import islice, product
-from math import prod
+from math import lcm
+from operator import mod
 from typing import NamedTuple
 
 import numpy as np
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.positivity import Claim, pairs
+from nonsmooth.proofs.checker.roots import RootedSystem, in_roots
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import with_margin
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
-from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
+from nonsmooth.proofs.kernel.homogeneity import Homogeneity, homogeneity_of
 from nonsmooth.proofs.kernel.quotients import values_inside
 from nonsmooth.proofs.kernel.search import (
     Entry,
@@ -49,7 +51,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norms
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-STATES = range(2, 4)  # cubes of more are cut into too many simplices
+STATES = range(1, 4)  # cubes of more are cut into too many simplices
 FEW_SEEDS, SEEDS = range(3), range(16)  # of samples: at first, and of all at which a V must fall
 ROUNDS, MOST_ADDED = 6, 400  # of programs, each with more samples at which the last V rises
 BEYOND = 2  # degrees of V that are tried beyond twice the largest order
@@ -77,34 +79,62 @@ class Product(NamedTuple):
             parts += [root if left == 1 else f"{root}**{left}"] if left else []
         return "*".join(parts)
 
-    def at(self, place: Sequence[int]) -> int:
-        """Its value."""
-        signs = [(-1) ** (turned and x < 0) for x, turned in zip(place, self.turned, strict=True)]
-        return prod(map(pow, place, self.powers)) * prod(signs)
+    def at_places(self, places: Floats) -> Floats:
+        """Its values at places of shape (places, roots)."""
+        signs = np.where(places < 0, -1.0, 1.0)
+        return np.asarray(np.prod(places ** np.array(self.powers) * signs ** np.array(self.turned, dtype=int), axis=1))
 
 
 Function = list[tuple[Fraction, Product]]
 
 
-def in_roots_of_weights(system: SwitchedSystem) -> SwitchedSystem | None:
-    """A homogeneous system in roots of which all have one weight; None of others, and where it is in these already.
+class InRoots(NamedTuple):
+    """A homogeneous system as functions of roots see it, in which all states have one weight.
 
-    Args:
-        system: checked at the origin.
+    Attributes:
+        subject: of a certificate.
+        roots: the orders of the roots that have one, as hypotheses name them.
+        orders: q of each state.
+        cells: as a certificate holds them: the cube, with every zero of a root or a state among the surfaces.
+        degree: by how much the weight of velocities is larger than that of their states; below zero solutions arrive.
     """
-    known = homogeneity_of(system) if len(system.states) in STATES else None
-    if known is None or any(system.check.equilibrium) or not system.check.is_default:
+
+    subject: System
+    roots: dict[str, int]
+    orders: tuple[int, ...]
+    cells: Record
+    degree: int
+
+    @property
+    def seen(self) -> RootedSystem:
+        """The system in these roots, with the velocities of the states."""
+        return in_roots(self.subject, self.roots)
+
+    def hypotheses(self, stated: Record) -> Record:
+        """Those of a theorem about such functions."""
+        return {**stated, "roots": self.roots}
+
+
+def seen_in_roots(system: SwitchedSystem, known: Homogeneity | None) -> InRoots | None:
+    """A homogeneous system with roots of which the weights are all one; None where there are no such roots.
+
+    Raises:
+        BeyondReachError, NotShownError: for systems that no certificate can name, and too many cells.
+    """
+    if known is None or len(system.states) not in STATES or any(system.check.equilibrium):
         return None
     unit = min(known.weights)
-    orders = [weight / unit for weight in known.weights]
-    shared = np.lcm.reduce([order.denominator for order in orders])
-    whole = tuple(int(order * shared) for order in orders)
-    if whole == known.orders or max(whole) > MAX_ORDER or any(a % b for a, b in zip(whole, known.orders, strict=True)):
+    shared = lcm(*((own / unit).denominator for own in (*known.weights, known.degree)))
+    *orders, degree = (int(own / unit * shared) for own in (*known.weights, known.degree))
+    if max(orders) > MAX_ORDER or any(map(mod, orders, known.orders)):
         return None
-    try:
-        return with_roots(system, whole)
-    except SceneError:
+    roots = {name: order for name, order in zip(system.stated_states, orders, strict=True) if order > 1}
+    if not roots:
         return None
+    subject, _ = started(system)
+    rooted = with_roots(system, orders)
+    axes = surfaces_of(rooted, parse_piecewise(" + ".join(f"Abs({w})" for w in rooted.states), rooted.states))
+    return InRoots(subject, roots, tuple(orders), stated_cells(rooted, rooted.check.radius, axes).record, degree)
 
 
 def find_function_of_states(system: SwitchedSystem) -> Entry | None:
@@ -113,55 +143,61 @@ def find_function_of_states(system: SwitchedSystem) -> Entry | None:
     A V that falls is positive if the point attracts, so nothing but its fall is asked of samples.
 
     Args:
-        system: with rational numbers, homogeneous, and all weights one in its roots.
+        system: with rational numbers.
     """
-    known = homogeneity_of(system) if system.by_roots is not None and len(system.states) in STATES else None
-    if known is None or len({weight / order for weight, order in zip(known.weights, known.orders, strict=True)}) > 1:
-        return None
-    try:
-        subject, _ = started(system)
-        axes = surfaces_of(system, parse_piecewise(" + ".join(f"Abs({w})" for w in system.states), system.states))
-        cells = stated_cells(system, system.check.radius, axes).record
-        for function in islice(_proposals(subject, cells, known.orders), MOST_TRIED):
+    with suppress(BeyondReachError, NotShownError, RejectedError, SceneError):
+        about = seen_in_roots(system, homogeneity_of(system))
+        if about is None:
+            return None
+        for function in islice(_proposals(about), MOST_TRIED):
             with suppress(NotShownError):
-                return _shown(subject, cells, function)
-    except (BeyondReachError, NotShownError, RejectedError, SceneError):
-        pass
+                return _shown(about, function)
     return None
 
 
-def _shown(subject: System, cells: Record, function: Function) -> Entry:
+def _shown(about: InRoots, function: Function) -> Entry:
     """What a V that falls shows: instability where it is negative in some direction, else attraction.
 
     Raises:
         NotShownError: where the claims are not shown.
     """
-    directions = product((1, -1, 3, -3), repeat=subject.count)
-    lowest = min(directions, key=lambda place: sum(c * own.at(place) for c, own in function))
-    text = " + ".join(f"({coefficient})*{own.text(subject.coordinates)}" for coefficient, own in function)
-    if sum(c * own.at(lowest) for c, own in function) < 0:
-        stated = instability_hypotheses(cells, text, lowest)
-        return Search().entry(subject, "instability", {**stated, "time": "states"})
-    stated = stability_hypotheses(cells, text, ASYMPTOTICALLY_STABLE)
-    return Search().entry(subject, "lyapunov", {**stated, "everywhere": True, "time": "states"})
+    directions, text = np.array(list(product((1, -1, 3, -3), repeat=len(about.orders)))), text_of(about, function)
+    values = sum(float(coefficient) * own.at_places(directions) for coefficient, own in function)
+    if np.min(values) < 0:
+        stated = instability_hypotheses(about.cells, text, directions[np.argmin(values)].tolist())
+        return Search().entry(about.subject, "instability", about.hypotheses(stated))
+    stated = stability_hypotheses(about.cells, text, ASYMPTOTICALLY_STABLE) | {"everywhere": True}
+    return Search().entry(about.subject, "lyapunov", about.hypotheses(stated))
 
 
-def _proposals(subject: System, cells: Record, orders: Sequence[int]) -> Iterator[Function]:
+def text_of(about: InRoots, function: Function) -> str:
+    """A sum of products as a formula."""
+    return " + ".join(f"({coefficient})*{own.text(about.seen.coordinates)}" for coefficient, own in function)
+
+
+def _proposals(about: InRoots) -> Iterator[Function]:
     """Sums that fall at all samples, of the lowest degrees first, in the shortest numbers.
 
     Where none falls along mixtures of two fields, too, these are left out: of an unstable point V may rise along some
     where it is positive.
     """
-    for degree in range(max(orders) + 1, 2 * max(orders) + BEYOND + 1):
-        listed = list(_products(orders, degree))
-        known = Functions(subject.stated, {**cells, "empty": []}, [own.text(subject.coordinates) for own in listed])
+    highest = 2 * max(about.orders) + BEYOND
+    for degree in range(max(about.orders) + 1, highest + 1):
+        listed = list(products(about.orders, degree))
+        known = functions_of(about, listed)
         claims = [known.claims(k, positive=False) for k in range(len(listed))]
-        for kept in (_of_two_fields, _of_cells):
+        for kept in (of_two_fields, _of_cells):
             asked = [list(kept(own)) for own in claims]
             chosen = _falling(_rows(asked, FEW_SEEDS), every := _rows(asked, SEEDS))
             if chosen is not None:
                 yield from _rounded(chosen, every, listed)
                 break
+
+
+def functions_of(about: InRoots, listed: Sequence[Product]) -> Functions:
+    """Products as functions of which claims are asked."""
+    texts = [own.text(about.seen.coordinates) for own in listed]
+    return Functions(about.seen, {**about.cells, "empty": []}, texts)
 
 
 def _falling(rows: Floats, every: Floats) -> Floats | None:
@@ -182,7 +218,7 @@ def _of_cells(claims: Iterable[Claim]) -> Iterator[Claim]:
     return (claim for claim in claims if not claim.inequalities[0].pushes)
 
 
-def _of_two_fields(claims: Iterable[Claim]) -> Iterator[Claim]:
+def of_two_fields(claims: Iterable[Claim]) -> Iterator[Claim]:
     """The same, and those about mixtures of two fields along which one surface is kept."""
     for claim in claims:
         count = len(claim.inequalities[0].pushes)
@@ -192,13 +228,13 @@ def _of_two_fields(claims: Iterable[Claim]) -> Iterator[Claim]:
 
 def _rows(claims: Sequence[Sequence[Claim]], seeds: Iterable[int]) -> Floats:
     """The values at samples that must be positive, over their sizes, a column for each function."""
-    points = {own.count: _samples(own.count, seeds) for own in claims[0]}
+    points = {own.count: samples(own.count, seeds) for own in claims[0]}
     rows = np.vstack([values_inside(same, 0, points[same[0].count]) for same in zip(*claims, strict=True)])
     sizes = np.abs(rows).max(axis=1, keepdims=True)
     return np.asarray(rows[sizes[:, 0] > 0] / sizes[sizes[:, 0] > 0])
 
 
-def _samples(count: int, seeds: Iterable[int]) -> Floats:
+def samples(count: int, seeds: Iterable[int]) -> Floats:
     """Random points of the border of the cube: the claims are about forms."""
     points = np.vstack([sample_points(count, bounded=True, seed=seed) for seed in seeds])
     return np.asarray(points / max_norms(points)[:, None])
@@ -213,7 +249,7 @@ def _rounded(chosen: Floats, rows: Floats, listed: Sequence[Product]) -> Iterato
             return
 
 
-def _products(orders: Sequence[int], degree: int) -> Iterator[Product]:
+def products(orders: Sequence[int], degree: int) -> Iterator[Product]:
     """Those of one degree that are even in all roots together, and have derivatives by the states."""
     for powers in product(range(degree + 1), repeat=len(orders)):
         if sum(powers) == degree and all(e >= q for e, q in zip(powers, orders, strict=True) if e):

@@ -36,6 +36,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.kernel.arrival import Arrival
     from nonsmooth.proofs.kernel.homogeneity import Homogeneity
     from nonsmooth.proofs.systems.basin import CertifiedBasin
 
@@ -255,6 +256,7 @@ class Reach(ShortRepr):
         homogeneous: weights with which the field is homogeneous, where that shows that every start reaches the point,
             or arrives.
         in_finite_time: whether solutions near the point are known to arrive in finite time.
+        arrival: a bound of that time, for all starts of the space.
     """
 
     everywhere: bool = False
@@ -270,6 +272,7 @@ class Reach(ShortRepr):
     reshaped: ReshapedRegion | None = field(default=None, hash=False)
     global_entry: Record | None = field(default=None, hash=False)
     basin: CertifiedBasin | None = field(default=None, hash=False)
+    arrival: Arrival | None = field(default=None, hash=False)
 
 
 @dataclass(frozen=True)

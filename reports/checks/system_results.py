@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 from nonsmooth.proofs.findings import Record, Translation
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.system_facts import (
+    arrival_words,
     audit_facts,
     basin_words,
     displacement_facts,
@@ -396,8 +397,12 @@ def _how_fast(result: StabilityResult) -> SystemAnswer:
     farther = f"; {region_rate_words(reach, states)}" if reach.region_rate is not None else ""
     rate = "" if reach.rate is None else f"{rate_words(reach, states)}{farther}"
     if reach.homogeneous is not None and reach.homogeneous.arrives:
-        words = f"every solution arrives, as the field is {reach.homogeneous}"
-        return SystemAnswer(question, "in finite time", f"{words}; {rate or 'no bound is proved'}")
+        if reach.arrival is not None:
+            said = [arrival_words(reach, result.scene.stated_states), f"the field is {reach.homogeneous}"]
+        else:
+            said = [f"every solution arrives, as the field is {reach.homogeneous}"]
+            rate = rate or "no bound is proved"
+        return SystemAnswer(question, "in finite time", "; ".join([*said, *([rate] if rate else [])]))
     if reach.rate is not None:
         return SystemAnswer(question, KINDS_OF_RATES[reach.rate.decay], rate)
     if reach.in_finite_time:

@@ -434,19 +434,20 @@ def sines_beside_roots() -> Iterator[Case]:
     yield Case("root-sines", about, "lyapunov", lyapunov("root_x**2", cells("root_x", within="1/2")))
 
 
-def functions_of_states() -> Iterator[Case]:
-    """A V with derivatives by states of which there are roots: what slides along a zero of one, and what leaves."""
+def functions_of_roots() -> Iterator[Case]:
+    """A V about roots of states in their own time: what slides along a zero of one, what leaves, and what arrives."""
     slides, root = subject(["-10*sign(x)", "-y"]), "sign(x)*Abs(x)**(1/3)"
-    in_time = {"time": "states"}
     for order, function in ((2, "root_x**2 + y**2"), (3, "Abs(root_x)**3 + y**2"), (4, "root_x**4 + y**2")):
-        own = {**slides, "roots": ["x"], "orders": [order]}
-        hypotheses = {**lyapunov(function, cells("root_x")), **in_time}
-        yield Case(f"states-slide-{order}", own, "lyapunov", hypotheses)
-    third = {"roots": ["x"], "orders": [3]}
-    falls = {**lyapunov("Abs(root_x)**3", cells("root_x"), everywhere=True), **in_time}
-    yield Case("states-third", {**subject([f"-{root}"]), **third}, "lyapunov", falls)
-    rises = {**instability("-Abs(root_x)**3", cells("root_x"), ["1"]), **in_time}
-    yield Case("states-leave", {**subject([root]), **third}, "instability", rises)
+        hypotheses = {**lyapunov(function, cells("root_x")), "roots": {"x": order}}
+        yield Case(f"roots-slide-{order}", slides, "lyapunov", hypotheses)
+    third, rooted = {"roots": {"x": 3}}, {"roots": ["x"], "orders": [3]}
+    falls = {**lyapunov("Abs(root_x)**3", cells("root_x"), everywhere=True), **third}
+    yield Case("roots-third", {**subject([f"-{root}"]), **rooted}, "lyapunov", falls)
+    rises = {**instability("-Abs(root_x)**3", cells("root_x"), ["1"]), **third}
+    yield Case("roots-leave", {**subject([root]), **rooted}, "instability", rises)
+    at_once = {"size": ["1"], "above": "1", "speed": "1", "power": 1}
+    arrives = {**lyapunov("root_x**2", cells("root_x"), everywhere=True), "roots": {"x": 2}, "arrival": at_once}
+    yield Case("roots-arrive", {**subject(["-sign(x)*sqrt(Abs(x))"]), "roots": ["x"]}, "lyapunov", arrives)
 
 
 def jumps_with_what_is_continuous() -> Iterator[Case]:
@@ -758,7 +759,7 @@ GROUPS = (
     slides,
     basins_in_space,
     sines_beside_roots,
-    functions_of_states,
+    functions_of_roots,
     jumps_with_what_is_continuous,
 )
 

@@ -242,24 +242,43 @@ def of_other_roots() -> Iterator[Forgery]:
     yield own
 
 
-def of_functions_of_states() -> Iterator[Forgery]:
-    """A V of the states in their roots that says nothing, and what is said in their time alone."""
-    in_time, slides = {"time": "states"}, {"states": ["x", "y"], "rhs": [["-10*sign(x)", "-y"]], "at": ["0", "0"]}
-    because = "the time of states of which there are roots"
-    yield of_one_state(because, "-x", [ATTRACTS], FALLS, in_time)
-    time: Path = ["evidence", 0, "hypotheses", "time"]
-    yield Forgery("one condition", "states-third", ((time, "roots"),), because=because)
-    level: Path = ["evidence", 0, "hypotheses", "level"]
-    because = "a verdict alone in the time of the states"
-    yield Forgery("one condition", "states-third", ((level, "1"),), because=because)
-    speed: Path = ["evidence", 0, "hypotheses", "speed"]
-    yield Forgery("one condition", "states-leave", ((speed, "1"),), because=because)
+def of_functions_of_roots() -> Iterator[Forgery]:
+    """A V about roots of states that says nothing, what is not stated beside it, and times of arrival."""
+    slides = {"states": ["x", "y"], "rhs": [["-10*sign(x)", "-y"]], "at": ["0", "0"]}
+    hypotheses: Path = ["evidence", 0, "hypotheses"]
+    because = "orders of roots by the names of states"
+    yield Forgery("one condition", "roots-third", (([*hypotheses, "roots"], ["x"]),), because=because)
+    because = "names of roots that are no states"
+    named = {"states": ["x", "root_x"], "rhs": [["-x", "-root_x"]], "at": ["0", "0"]}
+    yield of_one_state(because, "", [ATTRACTS], FALLS, {"roots": {"x": 3}}, subject=named)
+    number = {"name": "root_x", "polynomial": ["-2", "0", "1"], "above": "0"}
+    numbered = {"states": ["x"], "rhs": [["-x"]], "at": ["0"], "numbers": [number]}
+    yield of_one_state(
+        "names of numbers that are no roots", "", [ATTRACTS], FALLS, {"roots": {"x": 3}}, subject=numbered
+    )
+    because = "a verdict and a time of arrival in roots"
+    yield Forgery("one condition", "roots-third", (([*hypotheses, "level"], "1"),), because=because)
+    because = "a verdict alone in roots"
+    yield Forgery("one condition", "roots-leave", (([*hypotheses, "speed"], "1"),), because=because)
+    arrival = {"size": ["1"], "above": "1", "speed": "1", "power": 1}
+    yield of_one_state("a time of arrival in roots", "-x", [ATTRACTS], FALLS, {"arrival": arrival, "everywhere": True})
+    for because, key, value in (
+        ("a time of arrival of positive numbers", "speed", "-1"),
+        ("a time of arrival of positive numbers", "size", ["0"]),
+        ("a time of arrival with a positive power", "power", 0),
+        ("coefficients that are not negative, for size .", "above", "1/2"),
+        ("coefficients that are not negative, for arrival cell + field 0", "speed", "2"),
+    ):
+        yield Forgery("one condition", "roots-arrive", (([*hypotheses, "arrival", key], value),), because=because)
+
+    two = {"function": "root_x**2 + root_x**3*Abs(root_x)", "level": None}
+    of_degrees = [([*hypotheses, key], value) for key, value in two.items()]
+    yield Forgery("one condition", "roots-arrive", tuple(of_degrees), because="a V of forms of one degree")
 
     def unshown(because: str, function: str, order: int, rhs: list[str], *surfaces: str) -> Forgery:
         """With evidence of all that is asked before what refuses it."""
-        about = {**slides, "states": ["x", "y"][: len(rhs)], "rhs": [rhs], "at": ["0"] * len(rhs)}
-        own = {**about, "roots": ["x"], "orders": [order]}
-        falls = {"cells": {**cube("1"), "surfaces": ["root_x", *surfaces]}, "function": function, **in_time}
+        own = {**slides, "states": ["x", "y"][: len(rhs)], "rhs": [rhs], "at": ["0"] * len(rhs)}
+        falls = {"cells": {**cube("1"), "surfaces": ["root_x", *surfaces]}, "function": function, "roots": {"x": order}}
         known, search = of_one_state(because, "", [ATTRACTS], {}, falls, subject=own), Search()
         hypotheses = json.loads(known.text[0][0])["evidence"][0]["hypotheses"]
         with suppress(NotShownError):
@@ -406,8 +425,8 @@ def of_documents() -> Iterator[Forgery]:
     yield of_one_state("a claim", "-x", [], FALLS, {})
     words = 'evidence of the claim {"attracts": "everywhere"}'
     yield of_one_state(words, "-x", [ATTRACTS, EVERYWHERE], FALLS, {})
-    keys = "cells function second verdict everywhere level below rate gain proper growth denominator logarithm time"
-    yield of_one_state(f"an object with the keys {keys}", "-x", [ATTRACTS], FALLS, {"trust": True})
+    keys = "cells function second verdict everywhere level below rate gain proper growth denominator logarithm"
+    yield of_one_state(f"an object with the keys {keys} roots arrival", "-x", [ATTRACTS], FALLS, {"trust": True})
     other: Path = ["version"]
     words = "the version nonsmooth-certificate/2"
     yield Forgery("one condition", "one-linear-1", ((other, "nonsmooth-certificate/3"),), because=words)
@@ -947,7 +966,7 @@ def conditions() -> Iterator[Forgery]:
             of_instability,
             of_roots,
             of_other_roots,
-            of_functions_of_states,
+            of_functions_of_roots,
         ),
         *(of_evidence, of_squares, of_pairs, of_further_functions, of_formulas, of_documents),
         *(of_cells, of_faces, of_points, of_pieces),

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.findings import Translation
-from nonsmooth.proofs.kernel.rooted_functions import in_roots_of_weights
+from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
+from nonsmooth.proofs.kernel.rooted_functions import seen_in_roots
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -82,10 +83,11 @@ def test_differentiators_of_second_order_arrive_from_everywhere(gains: tuple[str
     assert result.verdict is ATTRACTS
     assert result.reach.everywhere
     assert result.reach.in_finite_time
+    assert result.reach.arrival is not None
     certificate = certificate_of(result)
     assert refused(certificate) == ""
     assert {"arrives": "in finite time"} in certificate["statement"]["claims"]
-    assert certificate["evidence"][0]["hypotheses"]["time"] == "states"
+    assert certificate["evidence"][0]["hypotheses"]["roots"] == {"x": 3, "y": 2}
     least, _ = sizes_of_ends(differentiator(*gains))
     assert least < 0.05
 
@@ -129,13 +131,77 @@ def test_random_systems_agree_with_their_polygons(seed: int) -> None:
 
 
 def test_roots_are_taken_with_the_weights_as_orders() -> None:
-    rooted = in_roots_of_weights(homogeneous(differentiator("2", "2", "1")))
-    assert rooted is not None
-    assert rooted.by_roots is not None
-    assert rooted.by_roots.roots.order == {"x": 3, "y": 2}
-    assert in_roots_of_weights(rooted) is None
-    assert in_roots_of_weights(built(["y", "-x - y"])) is None
-    assert in_roots_of_weights(built(["y + x**2", "-sgn(x)"])) is None
+    for system, orders in (
+        (homogeneous(differentiator("2", "2", "1")), (3, 2, 1)),
+        (built(["y", "-2*sgn(x) - sgn(y)"]), (2, 1)),
+        (built(["-Abs(x)**(2/3)*sgn(x)"]), (3,)),
+    ):
+        seen = seen_in_roots(system, homogeneity_of(system))
+        assert seen is not None
+        assert (seen.orders, seen.degree) == (orders, -1)
+    for rhs in (["y", "-x - y"], ["y + x**2", "-sgn(x)"], ["-sgn(x)", "-sgn(y)"]):
+        assert seen_in_roots(built(rhs), homogeneity_of(built(rhs))) is None
+
+
+# ---- how long it takes
+
+
+ONE_STATE = [
+    ("-sqrt(Abs(x))*sgn(x)", Fraction(2), "2*sqrt(abs(x))"),
+    ("-2*Abs(x)**(2/3)*sgn(x)", Fraction(3, 2), "1.5*abs(x)**(1/3)"),
+]
+
+
+@pytest.mark.parametrize(("rhs", "factor", "words"), ONE_STATE)
+def test_the_time_of_one_state_is_exact(rhs: str, factor: Fraction, words: str) -> None:
+    arrival = decide_system(built([rhs])).reach.arrival
+    assert arrival is not None
+    assert arrival.factor == factor
+    assert arrival.words(("x",)) == words
+
+
+def latest(rhs: list[str], start: tuple[float, ...], until: float) -> float:
+    """When a path comes to the origin and rests."""
+    path = simulate(system_field(built(rhs), start), start, until)
+    assert max(map(abs, path.end.state)) < 1e-9
+    return float(next(event.t for event in path.events if max(map(abs, event.state)) < 1e-9))
+
+
+TWISTING = ["y", "-2*sgn(x) - sgn(y)"]
+SUPER_TWISTING = ["-3/2*sqrt(Abs(x))*sgn(x) + y", "-11/10*sgn(x)"]
+BHAT = ["y", "-Abs(x)**(1/3)*sgn(x) - sqrt(Abs(y))*sgn(y)"]
+TERMINAL = ["y", "-2*sgn(y + sqrt(Abs(x))*sgn(x))"]
+
+
+@few(2)
+@pytest.mark.parametrize(("rhs", "loss"), [(SUPER_TWISTING, 4), (TWISTING, 4), (TERMINAL, 6), (BHAT, 12)])
+def test_no_path_takes_longer_than_the_time_of_arrival(rhs: list[str], loss: float) -> None:
+    """And some of them take at least a part of it: the bound is of use."""
+    result = decide_system(built(rhs))
+    arrival = result.reach.arrival
+    assert arrival is not None
+    shares = []
+    for start in ((1.0, 0.0), (-0.3, 0.5), (0.2, -1.0), (2.0, 2.0), (-0.01, 0.3)):
+        sizes = [float(c) * abs(x) ** (1 / q) for c, x, q in zip(arrival.size, start, arrival.orders, strict=True)]
+        bound = float(arrival.factor) * sum(sizes) ** arrival.power
+        shares.append(latest(rhs, start, 1.1 * bound) / bound)
+    assert max(shares) <= 1
+    assert max(shares) > 1 / loss
+    certificate = certificate_of(result)
+    assert refused(certificate) == ""
+    (said,) = [own["arrives"] for own in certificate["statement"]["claims"] if isinstance(own.get("arrives"), dict)]
+    assert Fraction(said["factor"]) == arrival.factor
+    said["factor"] = str(arrival.factor * Fraction(99, 100))
+    assert refused(certificate).startswith("evidence of the claim")
+
+
+def test_the_time_of_arrival_scales_as_time_does() -> None:
+    """Twice as fast a field has half the time: the same V serves."""
+    once, twice = (decide_system(built(rhs)).reach.arrival for rhs in (TWISTING, ["2*y", "-4*sgn(x) - 2*sgn(y)"]))
+    assert once is not None
+    assert twice is not None
+    assert float(once.factor / twice.factor) == pytest.approx(2, rel=0.02)
+    assert once.words(("x", "y")) == f"{float(once.factor):g}*(sqrt(abs(x)) + {float(once.size[1]):g}*abs(y))"
 
 
 def test_a_path_of_a_differentiator_arrives_and_is_the_only_one() -> None:

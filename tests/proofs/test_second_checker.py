@@ -29,7 +29,7 @@ from tests.proofs.system_families import families
 from tests.proofs.test_known_systems import KNOWN, build, system_of
 from tests.thorough import but, few, keep
 
-NEWER = ("proper", "growth", "denominator", "logarithm", "time")  # hypotheses that the second checker does not know
+NEWER = ("proper", "growth", "denominator", "logarithm", "roots")  # hypotheses that the second checker does not know
 THEOREMS = ("lyapunov", "instability", "departure")
 PLANAR = {known.name: known for known in families()}
 FIRST = [

@@ -1,0 +1,225 @@
+"""How long solutions take to the point: by a V about roots of states that falls fast enough for its size.
+
+Of a homogeneous field with negative degree -e every solution arrives at a point that attracts.  Let all states have
+weight one in their roots w, and S be the sum of ``c_k Abs(w_k)``.  A form V of degree p with ``V <= S^p`` and
+``V' <= -a S^(p - e)`` bounds the time of arrival by ``p S^e/(a e)``
+(:func:`nonsmooth.proofs.checker.theorems.show_arrival`).  For given c the largest a is that of a linear program in the
+coefficients of V and a; c are then chosen such that ``c_k^p`` is V on the axis of the k-th root, and V is searched
+again.  The two numbers of the rounded V are read off samples, with something to spare.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from fractions import Fraction
+from math import ceil, floor, log10
+from typing import NamedTuple
+
+import numpy as np
+
+from nonsmooth.proofs.checker.cells import Cell
+from nonsmooth.proofs.checker.lyapunov import Shift
+from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.positivity import Claim
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, size_on
+from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.findings import Record
+from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.kernel.cells import BeyondReachError
+from nonsmooth.proofs.kernel.homogeneity import Homogeneity
+from nonsmooth.proofs.kernel.quotients import values_inside
+from nonsmooth.proofs.kernel.rooted_functions import (
+    MOST_ADDED,
+    ROUNDS,
+    SEEDS,
+    Function,
+    InRoots,
+    functions_of,
+    of_two_fields,
+    products,
+    samples,
+    seen_in_roots,
+    text_of,
+)
+from nonsmooth.proofs.kernel.search import Collected, NotShownError, Search, stability_hypotheses
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
+SIZES = 2  # choices of c, one after the other
+FINE, DIGITS = 10, 3  # denominator of c, of which the largest is one; digits of T
+DENOMINATOR = 256  # of the coefficients of V
+SPARE = (Fraction(31, 32), Fraction(7, 8), Fraction(1, 2))  # parts of the rate that samples allow, tried in turn
+ROOM = Fraction(33, 32)  # of the largest V at samples
+SHORT = 1000  # denominators of what is read off samples
+TINY = 1e-9  # rates that count as none
+THINNED, SLACK = 6, 1 / 64  # of samples the first ones; of the rate that others may lack
+
+
+class Arrival(NamedTuple):
+    """Every solution is at the point after at most ``factor (sum_k size_k Abs(x_k)^(1/q_k))^power``.
+
+    Attributes:
+        factor: T.
+        size: the numbers by which the states count.
+        orders: q of each state.
+        power: e.
+        entry: the theorem that shows it, as a certificate holds it.
+    """
+
+    factor: Fraction
+    size: tuple[Fraction, ...]
+    orders: tuple[int, ...]
+    power: int
+    entry: Record
+
+    def words(self, states: Sequence[str]) -> str:
+        """The bound for a start, in formulas of its states."""
+        kinds = {1: "abs({})", 2: "sqrt(abs({}))"}
+        sizes = [kinds.get(q, f"abs({{}})**(1/{q})").format(own) for own, q in zip(states, self.orders, strict=True)]
+        parts = [own if c == 1 else f"{float(c):g}*{own}" for c, own in zip(self.size, sizes, strict=True)]
+        power = "" if self.power == 1 else f"**{self.power}"
+        size = parts[0] if len(parts) == 1 and not power else f"({' + '.join(parts)}){power}"
+        return f"{float(self.factor):g}*{size}"
+
+
+def find_arrival(system: SwitchedSystem, known: Homogeneity) -> Arrival | None:
+    """A bound of the time of arrival, for all starts; None where none is found.
+
+    Args:
+        system: of which the point attracts.
+        known: its weights.
+    """
+    found: list[Arrival] = []
+    with suppress(BeyondReachError, NotShownError, RejectedError, SceneError):
+        about = seen_in_roots(system, known) if known.arrives else None
+        if about is None:
+            return None
+        highest = 2 * max(about.orders)
+        for degree in (highest - 1, highest):
+            own = _Forms(about, degree).arrival()
+            found += [] if own is None else [own]
+    return min(found, key=lambda own: own.factor * sum(own.size), default=None)
+
+
+class _Forms:
+    """Forms V of one degree, by their values at samples."""
+
+    def __init__(self, about: InRoots, degree: int) -> None:
+        self.about, self.degree = about, degree
+        self.listed = list(products(about.orders, degree))
+        self.functions = functions_of(about, self.listed)
+        self.points = {count: samples(count, SEEDS) for count in range(1, self.functions.count + 1)}
+        self.falls = self._at_samples([self._falling(k, self.functions.zero) for k in range(len(self.listed))])
+
+    def arrival(self) -> Arrival | None:
+        """A bound by the V that is best for two sizes, one after the other."""
+        size = tuple(Fraction(1) for _ in self.about.orders)
+        chosen = self._best(size)
+        for _ in range(SIZES):
+            better = self._size_of(chosen) if chosen is not None else None
+            if better is None:
+                return None
+            size, chosen = better, self._best(better)
+        return self._shown(chosen, size) if chosen is not None else None
+
+    def _falling(self, number: int, shift: Shift) -> list[Claim]:
+        """That the derivative of a product, with a shift, is negative on cells, and of mixtures that keep to a face."""
+        own = self.functions
+        own.number, own.proofs = number, Collected()
+        own.show_falls("", shift, strict=True)
+        return list(of_two_fields(own.proofs.claims))
+
+    def _at_samples(self, claims: Sequence[Sequence[Claim]]) -> Floats:
+        """The values of inequalities, a column for each list of claims."""
+        pairs = zip(*claims, strict=True)
+        return np.vstack([values_inside(same, 0, self.points[same[0].count]) for same in pairs])
+
+    def _powers_of_size(self, size: Sequence[Fraction], exponent: int) -> Callable[[Cell], Polynomial]:
+        """``S^exponent`` on cells."""
+        own, names = self.functions, self.about.seen.coordinates
+
+        def power_of(cell: Cell) -> Polynomial:
+            return size_on(own.inclusion, cell, names, size).power(exponent)
+
+        return power_of
+
+    def _best(self, size: Sequence[Fraction]) -> Floats | None:
+        """The coefficients of V with ``V <= S^p`` and the largest a with ``V' <= -a S^(p - e)``, at samples."""
+        speeds, heights = self._speeds(size), self._heights(size)
+        inside = speeds > 0
+        falls = np.column_stack([self.falls[inside] / speeds[inside, None], -np.ones(inside.sum())])
+        low = np.column_stack([heights, np.zeros(len(heights))])
+        chosen, kept = None, np.arange(len(falls)) % THINNED == 0
+        for _ in range(ROUNDS):
+            chosen = _largest_last(falls[kept], low[::THINNED])
+            if chosen is None or not chosen[-1] > TINY:
+                return None
+            gaps = falls @ chosen
+            if gaps.min() >= -chosen[-1] * SLACK:
+                break
+            kept[np.argsort(gaps)[:MOST_ADDED]] = True
+        return None if chosen is None else chosen[:-1]
+
+    def _speeds(self, size: Sequence[Fraction]) -> Floats:
+        """What ``a = 1`` takes from the values of :attr:`falls`."""
+        radius = self.functions.inclusion.domain.radius
+        power = self._powers_of_size(size, self.degree + self.about.degree)
+        shifted = self._at_samples([self._falling(0, lambda cell: power(cell).times(radius))])
+        return np.asarray(self.falls[:, 0] - shifted[:, 0])
+
+    def _heights(self, size: Sequence[Fraction]) -> Floats:
+        """The products over ``S^p`` at samples of all cells."""
+        points, radius = self.points[self.functions.count], float(self.functions.inclusion.domain.radius)
+        sizes = (np.abs(points) @ np.array(size, dtype=float) * radius) ** self.degree
+        columns = [own.at_places(points * radius) / sizes for own in self.listed]
+        return np.stack(columns, axis=1)
+
+    def _size_of(self, chosen: Floats) -> tuple[Fraction, ...] | None:
+        """C with ``c_k^p`` in proportion to V on the axes; None where that is not positive."""
+        axes = np.eye(len(self.about.orders))
+        heights = np.stack([own.at_places(axes) for own in self.listed], axis=1) @ chosen
+        if not heights.min() > 0:
+            return None
+        sizes = heights ** (1 / self.degree)
+        return tuple(Fraction(max(round(float(FINE * own)), 1), FINE) for own in sizes / sizes.max())
+
+    def _shown(self, chosen: Floats, size: tuple[Fraction, ...]) -> Arrival | None:
+        """The bound with V in rational numbers; None where its claims are not shown."""
+        scaled = [Fraction(float(c)).limit_denominator(DENOMINATOR) for c in chosen / np.abs(chosen).max()]
+        function: Function = [(c, one) for c, one in zip(scaled, self.listed, strict=True) if c]
+        rounded, speeds = np.array(scaled, dtype=float), self._speeds(size)
+        inside = speeds > 0
+        speed = float((self.falls[inside] @ rounded / speeds[inside]).min())
+        is_line = len(size) == 1  # of one state V is a power
+        room, parts = (Fraction(1), (Fraction(1),)) if is_line else (ROOM, SPARE)
+        above = Fraction(float((self._heights(size) @ rounded).max())).limit_denominator(SHORT) * room
+        if not speed > TINY:
+            return None
+        stated = stability_hypotheses(self.about.cells, text_of(self.about, function), ASYMPTOTICALLY_STABLE)
+        hypotheses = self.about.hypotheses({**stated, "everywhere": True})
+        search, power = Search(), -self.about.degree
+        for part in parts:
+            factor = rounded_up(self.degree * above / (power * Fraction(speed) * part), DIGITS)
+            slow = self.degree * above / (power * factor)
+            arrival = {"size": list(map(str, size)), "above": str(above), "speed": str(slow), "power": power}
+            with suppress(NotShownError):
+                entry, _ = search.entry(self.about.subject, "lyapunov", {**hypotheses, "arrival": arrival})
+                return Arrival(factor, size, self.about.orders, power, entry)
+        return None
+
+
+def _largest_last(falls: Floats, low: Floats) -> Floats | None:
+    """The numbers with ``falls x >= 0`` and ``low x <= 1`` of which the last, not negative, is largest."""
+    count = falls.shape[1]
+    upper, right = np.vstack([-falls, low]), np.concatenate([np.zeros(len(falls)), np.ones(len(low))])
+    costs, bounds = [*[0.0] * (count - 1), -1.0], [*[(None, None)] * (count - 1), (0.0, None)]
+    found = solve_program(costs, A_ub=upper, b_ub=right, bounds=bounds)
+    return np.asarray(found.x) if found.status == 0 else None
+
+
+def rounded_up(value: Fraction, digits: int) -> Fraction:
+    """The next larger decimal with so many digits."""
+    unit = Fraction(10) ** (floor(log10(value)) + 1 - digits)
+    return ceil(value / unit) * unit
