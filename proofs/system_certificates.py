@@ -258,6 +258,8 @@ class Draft:
 
     def add_arrival(self, system: System, found: Arrival, states: Sequence[str]) -> None:
         """After which time solutions are at the point, where that is shown."""
+        if any(entry["hypotheses"] == found.entry["hypotheses"] for entry in self.evidence):
+            return
         try:
             self.add_entry(system, "lyapunov", found.entry["hypotheses"], found.entry["proofs"])
         except NotShownError as error:
@@ -307,8 +309,9 @@ def _ways(result: DecidedSystem, system: System) -> Iterator[Callable[[], Draft]
         raise NoCertificateError("a certificate does not state right-hand sides without sines beside enclosed ones")
     if isinstance(result.deciding.proofs, Parts):
         yield partial(by_parts, result.deciding.proofs, system)
-    whole = result.reach.global_entry
-    for candidate in (*_candidates(result), *([] if whole is None else [_of_entry(whole)])):
+    arrival = result.reach.arrival
+    known = (result.reach.global_entry, None if arrival is None else arrival.entry)
+    for candidate in (*_candidates(result), *map(_of_entry, filter(None, known))):
         yield partial(_shown, system, candidate)
     yield partial(_by_searches, result)
 
