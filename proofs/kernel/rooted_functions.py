@@ -6,7 +6,7 @@ of states are forms.  The derivative of a V, in the time of the states, is
 ``V' = sum_k (dV/dw_k) f_k/(q_k Abs(w_k)**(q_k - 1))``, again a form if V is one in which a root of order q stands with
 the power q at least, or not at all.  So V is a sum of products of powers ``w^e`` and ``w^(e - 1) Abs(w)``, which is
 continuous and has derivatives by the states on each orthant; a linear program proposes it by samples, and the theorem
-``lyapunov``, told that time is that of the states, shows it.
+``lyapunov``, told of the roots, shows it.
 
 That serves where solutions touch the zero of a root without crossing it, so that time in the roots ends there:
 differentiators of second order have such a V of degree five, as those of order n - 1 have of degree 2 n - 1 (Levant
@@ -172,7 +172,12 @@ def _shown(about: InRoots, function: Function) -> Entry:
 
 def text_of(about: InRoots, function: Function) -> str:
     """A sum of products as a formula."""
-    return " + ".join(f"({coefficient})*{own.text(about.seen.coordinates)}" for coefficient, own in function)
+    parts = []
+    for coefficient, own in function:
+        size = "" if abs(coefficient) == 1 else f"{abs(coefficient)}*"
+        parts.append(f"{'-' if coefficient < 0 else '+'} {size}{own.text(about.seen.coordinates)}")
+    text = " ".join(parts)
+    return f"-{text[2:]}" if text.startswith("-") else text[2:]
 
 
 def _proposals(about: InRoots) -> Iterator[Function]:

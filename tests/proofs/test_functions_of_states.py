@@ -193,6 +193,12 @@ def test_no_path_takes_longer_than_the_time_of_arrival(rhs: list[str], loss: flo
     assert Fraction(said["factor"]) == arrival.factor
     said["factor"] = str(arrival.factor * Fraction(99, 100))
     assert refused(certificate).startswith("evidence of the claim")
+    numbers = next(own["hypotheses"]["arrival"] for own in certificate["evidence"] if "arrival" in own["hypotheses"])
+    for key, part in (("speed", Fraction(5, 4)), ("above", Fraction(1, 2))):
+        stated = numbers[key]
+        numbers[key] = str(Fraction(stated) * part)
+        assert "for size " in refused(certificate) or "for arrival " in refused(certificate)
+        numbers[key] = stated
 
 
 def test_the_time_of_arrival_scales_as_time_does() -> None:
