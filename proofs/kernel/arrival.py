@@ -45,15 +45,15 @@ from nonsmooth.proofs.kernel.rooted_functions import (
 from nonsmooth.proofs.kernel.search import Collected, NotShownError, Search, stability_hypotheses
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SIZES = 2  # choices of c, one after the other
-FINE, DIGITS = 10, 3  # denominator of c, of which the largest is one; digits of T
+FINE, DIGITS = 10, 3  # denominator of c, of which the largest is one; digits of other numbers
 DENOMINATOR = 256  # of the coefficients of V
 SPARE = (Fraction(31, 32), Fraction(7, 8), Fraction(1, 2))  # parts of the rate that samples allow, tried in turn
 ROOM = Fraction(33, 32)  # of the largest V at samples
-SHORT = 1000  # denominators of what is read off samples
-TINY = 1e-9  # rates that count as none
+TINY = 1e-9  # of the largest, rates that count as none
 THINNED, SLACK = 6, 1 / 64  # of samples the first ones; of the rate that others may lack
 
 
@@ -84,6 +84,7 @@ class Arrival(NamedTuple):
         return f"{float(self.factor):g}*{size}"
 
 
+@BEYOND_FLOATS
 def find_arrival(system: SwitchedSystem, known: Homogeneity) -> Arrival | None:
     """A bound of the time of arrival, for all starts; None where none is found.
 
@@ -112,6 +113,7 @@ class _Forms:
         self.functions = functions_of(about, self.listed)
         self.points = {count: samples(count, SEEDS) for count in range(1, self.functions.count + 1)}
         self.falls = self._at_samples([self._falling(k, self.functions.zero) for k in range(len(self.listed))])
+        self.unit = float(np.abs(self.falls).max())  # of rates
 
     def arrival(self) -> Arrival | None:
         """A bound by the V that is best for two sizes, one after the other."""
@@ -149,7 +151,7 @@ class _Forms:
         """The coefficients of V with ``V <= S^p`` and the largest a with ``V' <= -a S^(p - e)``, at samples."""
         speeds, heights = self._speeds(size), self._heights(size)
         inside = speeds > 0
-        falls = np.column_stack([self.falls[inside] / speeds[inside, None], -np.ones(inside.sum())])
+        falls = np.column_stack([self.falls[inside] / (self.unit * speeds[inside, None]), -np.ones(inside.sum())])
         low = np.column_stack([heights, np.zeros(len(heights))])
         chosen, kept = None, np.arange(len(falls)) % THINNED == 0
         for _ in range(ROUNDS):
@@ -177,7 +179,7 @@ class _Forms:
         return np.stack(columns, axis=1)
 
     def _size_of(self, chosen: Floats) -> tuple[Fraction, ...] | None:
-        """C with ``c_k^p`` in proportion to V on the axes; None where that is not positive."""
+        """Numbers c with ``c_k^p`` in proportion to V on the axes; None where V is not positive there."""
         axes = np.eye(len(self.about.orders))
         heights = np.stack([own.at_places(axes) for own in self.listed], axis=1) @ chosen
         if not heights.min() > 0:
@@ -191,17 +193,17 @@ class _Forms:
         function: Function = [(c, one) for c, one in zip(scaled, self.listed, strict=True) if c]
         rounded, speeds = np.array(scaled, dtype=float), self._speeds(size)
         inside = speeds > 0
-        speed = float((self.falls[inside] @ rounded / speeds[inside]).min())
+        speed, height = (self.falls[inside] @ rounded / speeds[inside]).min(), (self._heights(size) @ rounded).max()
+        if not (TINY * self.unit < speed < np.inf and TINY < height < np.inf):
+            return None
         is_line = len(size) == 1  # of one state V is a power
         room, parts = (Fraction(1), (Fraction(1),)) if is_line else (ROOM, SPARE)
-        above = Fraction(float((self._heights(size) @ rounded).max())).limit_denominator(SHORT) * room
-        if not speed > TINY:
-            return None
+        above = rounded_up(Fraction(float(height)) * room, DIGITS)
         stated = stability_hypotheses(self.about.cells, text_of(self.about, function), ASYMPTOTICALLY_STABLE)
         hypotheses = self.about.hypotheses({**stated, "everywhere": True})
         search, power = Search(), -self.about.degree
         for part in parts:
-            factor = rounded_up(self.degree * above / (power * Fraction(speed) * part), DIGITS)
+            factor = rounded_up(self.degree * above / (power * Fraction(float(speed)) * part), DIGITS)
             slow = self.degree * above / (power * factor)
             arrival = {"size": list(map(str, size)), "above": str(above), "speed": str(slow), "power": power}
             with suppress(NotShownError):
