@@ -33,11 +33,12 @@ from nonsmooth.proofs.kernel.rooted_functions import (
     MOST_ADDED,
     ROUNDS,
     SEEDS,
-    Function,
     InRoots,
     functions_of,
+    in_units,
     of_two_fields,
     products,
+    sampler,
     samples,
     seen_in_roots,
     text_of,
@@ -49,7 +50,7 @@ from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SIZES = 2  # choices of c, one after the other
-FINE, DIGITS = 10, 3  # denominator of c, of which the largest is one; digits of other numbers
+FEW_DIGITS, DIGITS = 2, 3  # of c, of which the largest is one, and of other numbers
 DENOMINATOR = 256  # of the coefficients of V
 SPARE = (Fraction(31, 32), Fraction(7, 8), Fraction(1, 2))  # parts of the rate that samples allow, tried in turn
 ROOM = Fraction(33, 32)  # of the largest V at samples
@@ -111,13 +112,16 @@ class _Forms:
         self.about, self.degree = about, degree
         self.listed = list(products(about.orders, degree))
         self.functions = functions_of(about, self.listed)
-        self.points = {count: samples(count, SEEDS) for count in range(1, self.functions.count + 1)}
+        self.points_of = sampler(self.functions, about, SEEDS)
+        self.points = samples(self.functions.count, tuple(SEEDS)) * np.array(about.units, dtype=float)
+        self.units = np.array([float(own.unit(about.units)) for own in self.listed])
         self.falls = self._at_samples([self._falling(k, self.functions.zero) for k in range(len(self.listed))])
+        self.falls = self.falls / self.units
         self.unit = float(np.abs(self.falls).max())  # of rates
 
     def arrival(self) -> Arrival | None:
         """A bound by the V that is best for two sizes, one after the other."""
-        size = tuple(Fraction(1) for _ in self.about.orders)
+        size = tuple(1 / unit for unit in self.about.units)
         chosen = self._best(size)
         for _ in range(SIZES):
             better = self._size_of(chosen) if chosen is not None else None
@@ -136,7 +140,7 @@ class _Forms:
     def _at_samples(self, claims: Sequence[Sequence[Claim]]) -> Floats:
         """The values of inequalities, a column for each list of claims."""
         pairs = zip(*claims, strict=True)
-        return np.vstack([values_inside(same, 0, self.points[same[0].count]) for same in pairs])
+        return np.vstack([values_inside(same, 0, self.points_of(same[0])) for same in pairs])
 
     def _powers_of_size(self, size: Sequence[Fraction], exponent: int) -> Callable[[Cell], Polynomial]:
         """``S^exponent`` on cells."""
@@ -169,14 +173,14 @@ class _Forms:
         radius = self.functions.inclusion.domain.radius
         power = self._powers_of_size(size, self.degree + self.about.degree)
         shifted = self._at_samples([self._falling(0, lambda cell: power(cell).times(radius))])
-        return np.asarray(self.falls[:, 0] - shifted[:, 0])
+        return np.asarray(self.falls[:, 0] * self.units[0] - shifted[:, 0])
 
     def _heights(self, size: Sequence[Fraction]) -> Floats:
         """The products over ``S^p`` at samples of all cells."""
-        points, radius = self.points[self.functions.count], float(self.functions.inclusion.domain.radius)
-        sizes = (np.abs(points) @ np.array(size, dtype=float) * radius) ** self.degree
-        columns = [own.at_places(points * radius) / sizes for own in self.listed]
-        return np.stack(columns, axis=1)
+        places = self.points * float(self.functions.inclusion.domain.radius)
+        sizes = (np.abs(places) @ np.array(size, dtype=float)) ** self.degree
+        columns = [own.at_places(places) / sizes for own in self.listed]
+        return np.stack(columns, axis=1) / self.units
 
     def _size_of(self, chosen: Floats) -> tuple[Fraction, ...] | None:
         """Numbers c with ``c_k^p`` in proportion to V on the axes; None where V is not positive there."""
@@ -184,13 +188,13 @@ class _Forms:
         heights = np.stack([own.at_places(axes) for own in self.listed], axis=1) @ chosen
         if not heights.min() > 0:
             return None
-        sizes = heights ** (1 / self.degree)
-        return tuple(Fraction(max(round(float(FINE * own)), 1), FINE) for own in sizes / sizes.max())
+        sizes = heights ** (1 / self.degree) / np.array(self.about.units, dtype=float)
+        return tuple(rounded_up(Fraction(float(own)), FEW_DIGITS) for own in sizes / sizes.max())
 
     def _shown(self, chosen: Floats, size: tuple[Fraction, ...]) -> Arrival | None:
         """The bound with V in rational numbers; None where its claims are not shown."""
         scaled = [Fraction(float(c)).limit_denominator(DENOMINATOR) for c in chosen / np.abs(chosen).max()]
-        function: Function = [(c, one) for c, one in zip(scaled, self.listed, strict=True) if c]
+        function = in_units(scaled, self.listed, self.about)
         rounded, speeds = np.array(scaled, dtype=float), self._speeds(size)
         inside = speeds > 0
         speed, height = (self.falls[inside] @ rounded / speeds[inside]).min(), (self._heights(size) @ rounded).max()

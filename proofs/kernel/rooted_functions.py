@@ -15,17 +15,18 @@ differentiators of second order have such a V of degree five, as those of order 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from fractions import Fraction
+from functools import lru_cache
 from itertools import islice, product
-from math import lcm
+from math import lcm, log2, prod
 from operator import mod
 from typing import NamedTuple
 
 import numpy as np
 
-from nonsmooth.proofs.checker.cells import System
+from nonsmooth.proofs.checker.cells import Inclusion, System
 from nonsmooth.proofs.checker.positivity import Claim, pairs
 from nonsmooth.proofs.checker.roots import RootedSystem, in_roots
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
@@ -36,6 +37,7 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cell
 from nonsmooth.proofs.kernel.homogeneity import Homogeneity, homogeneity_of
 from nonsmooth.proofs.kernel.quotients import values_inside
 from nonsmooth.proofs.kernel.search import (
+    Collected,
     Entry,
     Functions,
     NotShownError,
@@ -79,6 +81,10 @@ class Product(NamedTuple):
             parts += [root if left == 1 else f"{root}**{left}"] if left else []
         return "*".join(parts)
 
+    def unit(self, units: Sequence[Fraction]) -> Fraction:
+        """Its value where every root is its unit."""
+        return prod((s**e for s, e in zip(units, self.powers, strict=True)), start=Fraction(1))
+
     def at_places(self, places: Floats) -> Floats:
         """Its values at places of shape (places, roots)."""
         signs = np.where(places < 0, -1.0, 1.0)
@@ -86,6 +92,7 @@ class Product(NamedTuple):
 
 
 Function = list[tuple[Fraction, Product]]
+Sampler = Callable[[Claim], Floats]
 
 
 class InRoots(NamedTuple):
@@ -97,6 +104,7 @@ class InRoots(NamedTuple):
         orders: q of each state.
         cells: as a certificate holds them: the cube, with every zero of a root or a state among the surfaces.
         degree: by how much the weight of velocities is larger than that of their states; below zero solutions arrive.
+        units: of the roots, powers of two, in which velocities are alike.
     """
 
     subject: System
@@ -104,6 +112,7 @@ class InRoots(NamedTuple):
     orders: tuple[int, ...]
     cells: Record
     degree: int
+    units: tuple[Fraction, ...]
 
     @property
     def seen(self) -> RootedSystem:
@@ -134,7 +143,24 @@ def seen_in_roots(system: SwitchedSystem, known: Homogeneity | None) -> InRoots 
     subject, _ = started(system)
     rooted = with_roots(system, orders)
     axes = surfaces_of(rooted, parse_piecewise(" + ".join(f"Abs({w})" for w in rooted.states), rooted.states))
-    return InRoots(subject, roots, tuple(orders), stated_cells(rooted, rooted.check.radius, axes).record, degree)
+    cells = stated_cells(rooted, rooted.check.radius, axes).record
+    seen = Inclusion(in_roots(subject, roots), {**cells, "empty": []}, ["0"], Collected())
+    return InRoots(subject, roots, tuple(orders), cells, degree, balanced_units(seen, orders))
+
+
+def balanced_units(seen: Inclusion, orders: Sequence[int]) -> tuple[Fraction, ...]:
+    """Units of roots in which the coefficients of all velocities are alike, by least squares of their logarithms.
+
+    With ``w_k = s_k v_k`` a term ``c w^e`` of the velocity of a state has the size ``c s^e/s_k^q_k`` in units of these.
+    """
+    rows, sizes = list[list[int]](), list[float]()
+    for field in {field for cell in seen.cells for _, field in cell.fields}:
+        for k, part in enumerate(field):
+            for exponents, coefficient in part.terms.items():
+                rows.append([*(e - orders[k] * (j == k) for j, e in enumerate(exponents)), -1])  # and the unit of time
+                sizes.append(-log2(abs(coefficient)))
+    logarithms = np.linalg.lstsq(np.array(rows, dtype=float), np.array(sizes))[0]
+    return tuple(Fraction(2) ** round(float(own)) for own in logarithms[:-1])
 
 
 def find_function_of_states(system: SwitchedSystem) -> Entry | None:
@@ -161,10 +187,12 @@ def _shown(about: InRoots, function: Function) -> Entry:
     Raises:
         NotShownError: where the claims are not shown.
     """
-    directions, text = np.array(list(product((1, -1, 3, -3), repeat=len(about.orders)))), text_of(about, function)
+    text, units = text_of(about, function), np.array(about.units, dtype=float)
+    directions = np.array(list(product((1, -1, 3, -3), repeat=len(units)))) * units
     values = sum(float(coefficient) * own.at_places(directions) for coefficient, own in function)
     if np.min(values) < 0:
-        stated = instability_hypotheses(about.cells, text, directions[np.argmin(values)].tolist())
+        lowest = map(Fraction, directions[np.argmin(values)].tolist())
+        stated = instability_hypotheses(about.cells, text, lowest)
         return Search().entry(about.subject, "instability", about.hypotheses(stated))
     stated = stability_hypotheses(about.cells, text, ASYMPTOTICALLY_STABLE) | {"everywhere": True}
     return Search().entry(about.subject, "lyapunov", about.hypotheses(stated))
@@ -191,11 +219,13 @@ def _proposals(about: InRoots) -> Iterator[Function]:
         listed = list(products(about.orders, degree))
         known = functions_of(about, listed)
         claims = [known.claims(k, positive=False) for k in range(len(listed))]
+        units = np.array([float(own.unit(about.units)) for own in listed])
         for kept in (of_two_fields, _of_cells):
             asked = [list(kept(own)) for own in claims]
-            chosen = _falling(_rows(asked, FEW_SEEDS), every := _rows(asked, SEEDS))
+            rows, every = (_rows(asked, sampler(known, about, seeds), units) for seeds in (FEW_SEEDS, SEEDS))
+            chosen = _falling(rows, every)
             if chosen is not None:
-                yield from _rounded(chosen, every, listed)
+                yield from _rounded(chosen, every, listed, about)
                 break
 
 
@@ -231,27 +261,53 @@ def of_two_fields(claims: Iterable[Claim]) -> Iterator[Claim]:
             yield from pairs(claim) if count else [claim]
 
 
-def _rows(claims: Sequence[Sequence[Claim]], seeds: Iterable[int]) -> Floats:
-    """The values at samples that must be positive, over their sizes, a column for each function."""
-    points = {own.count: samples(own.count, seeds) for own in claims[0]}
-    rows = np.vstack([values_inside(same, 0, points[same[0].count]) for same in zip(*claims, strict=True)])
+def _rows(claims: Sequence[Sequence[Claim]], points_of: Sampler, units: Floats) -> Floats:
+    """The values at samples that must be positive, over their sizes, a column for each function in its unit."""
+    rows = np.vstack([values_inside(same, 0, points_of(same[0])) for same in zip(*claims, strict=True)]) / units
     sizes = np.abs(rows).max(axis=1, keepdims=True)
     return np.asarray(rows[sizes[:, 0] > 0] / sizes[sizes[:, 0] > 0])
 
 
-def samples(count: int, seeds: Iterable[int]) -> Floats:
-    """Random points of the border of the cube: the claims are about forms."""
+def sampler(known: Functions, about: InRoots, seeds: Iterable[int]) -> Sampler:
+    """Random points at which claims are asked, spread over directions in the units of roots; the claims are of forms.
+
+    Args:
+        known: functions of which the claims are.
+        about: with the units.
+        seeds: of the points.
+    """
+    faces, listed = {f"face {name}": face for face, name, _ in known.bends}, tuple(seeds)
+    units = np.array(about.units, dtype=float)
+
+    def points_of(claim: Claim) -> Floats:
+        face, free = faces.get(claim.name.partition(" pair ")[0]), units
+        if face is not None:  # its coordinates are some of the variables
+            free = units[[form.degree == len(form.terms) == 1 for form in face.coordinates]][: claim.count]
+        points = samples(claim.count, listed) * free
+        return np.asarray(points / max_norms(points)[:, None])
+
+    return points_of
+
+
+@lru_cache(maxsize=16)
+def samples(count: int, seeds: tuple[int, ...]) -> Floats:
+    """Random points of the border of the cube."""
     points = np.vstack([sample_points(count, bounded=True, seed=seed) for seed in seeds])
     return np.asarray(points / max_norms(points)[:, None])
 
 
-def _rounded(chosen: Floats, rows: Floats, listed: Sequence[Product]) -> Iterator[Function]:
+def _rounded(chosen: Floats, rows: Floats, listed: Sequence[Product], about: InRoots) -> Iterator[Function]:
     """Coefficients in the shortest numbers with which all rows stay positive."""
     for denominator in DENOMINATORS:
         own = [Fraction(float(c)).limit_denominator(denominator) for c in chosen / np.abs(chosen).max()]
         if (rows @ np.array(own, dtype=float) > 0).all():
-            yield [(coefficient, one) for coefficient, one in zip(own, listed, strict=True) if coefficient]
+            yield in_units(own, listed, about)
             return
+
+
+def in_units(chosen: Sequence[Fraction], listed: Sequence[Product], about: InRoots) -> Function:
+    """A sum of products whose coefficients are given in the units of roots."""
+    return [(c / own.unit(about.units), own) for c, own in zip(chosen, listed, strict=True) if c]
 
 
 def products(orders: Sequence[int], degree: int) -> Iterator[Product]:
