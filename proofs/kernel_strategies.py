@@ -378,10 +378,11 @@ def entry_facts(system: SwitchedSystem, entry: Record, *, directed: bool = False
     hypotheses, where = entry["hypotheses"], "the whole space"
     cells, roots = hypotheses["cells"], signed_roots_of(system, hypotheses)
     names = coordinates_in(cells, system.states) if roots is None else roots.seen_states
-    if cells["within"] is not None:
-        where = cube_text(system.field(Fraction(cells["within"])), names)
     if roots is not None:
-        where += f", in the time of the states, with {' and '.join(roots.meanings)}"
+        box = ", ".join(f"abs({name}) <= {width}" for name, width in zip(names, cells["within"], strict=True))
+        where = f"{box}, in the time of the states, with {' and '.join(roots.meanings)}"
+    elif cells["within"] is not None:
+        where = cube_text(system.field(Fraction(cells["within"])), names)
     if directed:
         where += f"; V < 0 in the direction ({', '.join(hypotheses['direction'])})"
     return function_facts(quotient_text(hypotheses), where)

@@ -75,6 +75,11 @@ class System:
         return self
 
     @property
+    def in_time_of_states(self) -> bool:
+        """Whether coordinates are roots of states, and velocities those of the states."""
+        return False
+
+    @property
     def waves(self) -> list[tuple[int, ...]]:
         """The number of sines and cosines in the formulas of each right-hand side."""
         return [tuple(len(waves_in(parsed(own))) for own in side) for side in self.rhs]
@@ -164,18 +169,22 @@ def read_signs(data: Any, size: int) -> dict[int, int]:
 class Domain:
     """The cube ``|z_k| <= radius`` about the point, in units of the radius; or the whole space.
 
+    Of roots in the time of the states it may be a box ``|z_k| <= width_k``, in units of the widths.
+
     The coordinates z may be others than the states: x is ``T(z)`` from the point, and ``z' = DL(T(z)) f``, with
     polynomial maps of which ``L(T(z)) = z`` and ``T(0) = 0``.  So T maps neighbourhoods of 0 one to one onto those of
     the point.
     """
 
     def __init__(self, system: System, within: Any, maps: Maps | None = None) -> None:
-        self.system, self.bounded = system, within is not None
-        self.radius = rational(within) if self.bounded else Fraction(1)
-        require(self.radius > 0, "a cube of positive size")
-        count = system.count
+        self.system, self.bounded, count = system, within is not None, system.count
+        is_box = type(within) is list
+        require(not is_box or system.in_time_of_states, "a cube, or a box of roots in the time of the states")
+        self.radius = Fraction(1) if is_box or not self.bounded else rational(within)
+        self.widths = [rational(own) for own in items(within, count)] if is_box else [self.radius] * count
+        require(min(self.widths) > 0, "a cube of positive size")
         numbers = {name: constant(count, number) for name, number in system.numbers.items()}
-        away = [variable(count, k, self.radius) for k in range(count)]
+        away = [variable(count, k, width) for k, width in enumerate(self.widths)]
         self.gradients: list[list[Polynomial]] | None = None  # of the parts of L, at T(z)
         if maps is not None:
             to_states, back = maps

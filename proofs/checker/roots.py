@@ -75,6 +75,11 @@ class RootedSystem(System):
         return tuple(self.roots.get(name, 1) for name in self.states)
 
     @property
+    def in_time_of_states(self) -> bool:
+        """Whether the velocities are those of the states."""
+        return not self.scaled
+
+    @property
     def stated(self) -> RootedSystem:
         """The same with the velocities of the states."""
         return replace(self, scaled=False)
@@ -105,7 +110,7 @@ class RootedSystem(System):
         """
         if self.scaled:
             return super().along(field, function, domain, sign_of)
-        slopes = [function.derivative(k) for k in range(self.count)]
+        slopes = [function.derivative(k).times(domain.radius / width) for k, width in enumerate(domain.widths)]
         for name, order in self.roots.items():
             k, root = self.states.index(name), Root(domain.place[f"root_{name}"], order)
             slope = slopes[k].divided(root.speed(sign_of))
@@ -124,7 +129,8 @@ class RootedSystem(System):
             if surface.divided(domain.place[f"root_{name}"]) is not None and surface.degree == 1:
                 return field[k]
             require(not surface.derivative(k), "surfaces that are zeros of roots, or about other states")
-        return super().across(field, surface, domain)
+        scaled = [part.times(domain.radius / width) for part, width in zip(field, domain.widths, strict=True)]
+        return super().across(scaled, surface, domain)
 
     def bends_at(self, surface: Polynomial, domain: Domain) -> bool:
         """Whether it is the zero of a root of even order w, as ``w**2`` is that of ``Abs(x)``."""

@@ -28,20 +28,20 @@ from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.kernel.homogeneity import Homogeneity
-from nonsmooth.proofs.kernel.quotients import values_inside
 from nonsmooth.proofs.kernel.rooted_functions import (
     MOST_ADDED,
     ROUNDS,
     SEEDS,
     InRoots,
+    at_samples,
     functions_of,
     in_units,
     of_two_fields,
     products,
-    sampler,
     samples,
     seen_in_roots,
     text_of,
+    units_of,
 )
 from nonsmooth.proofs.kernel.search import Collected, NotShownError, Search, stability_hypotheses
 from nonsmooth.symbolic.messages.scene_error import SceneError
@@ -112,11 +112,9 @@ class _Forms:
         self.about, self.degree = about, degree
         self.listed = list(products(about.orders, degree))
         self.functions = functions_of(about, self.listed)
-        self.points_of = sampler(self.functions, about, SEEDS)
-        self.points = samples(self.functions.count, tuple(SEEDS)) * np.array(about.units, dtype=float)
-        self.units = np.array([float(own.unit(about.units)) for own in self.listed])
-        self.falls = self._at_samples([self._falling(k, self.functions.zero) for k in range(len(self.listed))])
-        self.falls = self.falls / self.units
+        self.units = units_of(about, self.listed)
+        falling = [self._falling(k, self.functions.zero) for k in range(len(self.listed))]
+        self.falls = at_samples(falling, SEEDS) / self.units
         self.unit = float(np.abs(self.falls).max())  # of rates
 
     def arrival(self) -> Arrival | None:
@@ -136,11 +134,6 @@ class _Forms:
         own.number, own.proofs = number, Collected()
         own.show_falls("", shift, strict=True)
         return list(of_two_fields(own.proofs.claims))
-
-    def _at_samples(self, claims: Sequence[Sequence[Claim]]) -> Floats:
-        """The values of inequalities, a column for each list of claims."""
-        pairs = zip(*claims, strict=True)
-        return np.vstack([values_inside(same, 0, self.points_of(same[0])) for same in pairs])
 
     def _powers_of_size(self, size: Sequence[Fraction], exponent: int) -> Callable[[Cell], Polynomial]:
         """``S^exponent`` on cells."""
@@ -170,14 +163,13 @@ class _Forms:
 
     def _speeds(self, size: Sequence[Fraction]) -> Floats:
         """What ``a = 1`` takes from the values of :attr:`falls`."""
-        radius = self.functions.inclusion.domain.radius
         power = self._powers_of_size(size, self.degree + self.about.degree)
-        shifted = self._at_samples([self._falling(0, lambda cell: power(cell).times(radius))])
+        shifted = at_samples([self._falling(0, power)], SEEDS)
         return np.asarray(self.falls[:, 0] * self.units[0] - shifted[:, 0])
 
     def _heights(self, size: Sequence[Fraction]) -> Floats:
         """The products over ``S^p`` at samples of all cells."""
-        places = self.points * float(self.functions.inclusion.domain.radius)
+        places = samples(self.functions.count, SEEDS) * np.array(self.about.units, dtype=float)
         sizes = (np.abs(places) @ np.array(size, dtype=float)) ** self.degree
         columns = [own.at_places(places) / sizes for own in self.listed]
         return np.stack(columns, axis=1) / self.units

@@ -54,7 +54,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norms
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 STATES = range(1, 4)  # cubes of more are cut into too many simplices
-FEW_SEEDS, SEEDS = range(3), range(16)  # of samples: at first, and of all at which a V must fall
+FEW_SEEDS, SEEDS = tuple(range(3)), tuple(range(16))  # of samples: at first, and of all at which a V must fall
 ROUNDS, MOST_ADDED = 6, 400  # of programs, each with more samples at which the last V rises
 BEYOND = 2  # degrees of V that are tried beyond twice the largest order
 DENOMINATORS = (16, 64, 256, 1024)  # of the coefficients over the largest, tried in turn
@@ -92,7 +92,7 @@ class Product(NamedTuple):
 
 
 Function = list[tuple[Fraction, Product]]
-Sampler = Callable[[Claim], Floats]
+Kept = Callable[[Iterable[Claim]], Iterator[Claim]]
 
 
 class InRoots(NamedTuple):
@@ -102,9 +102,9 @@ class InRoots(NamedTuple):
         subject: of a certificate.
         roots: the orders of the roots that have one, as hypotheses name them.
         orders: q of each state.
-        cells: as a certificate holds them: the cube, with every zero of a root or a state among the surfaces.
+        cells: as a certificate holds them: a box, with every zero of a root or a state among the surfaces.
         degree: by how much the weight of velocities is larger than that of their states; below zero solutions arrive.
-        units: of the roots, powers of two, in which velocities are alike.
+        units: half the sides of the box, powers of two: in these units of the roots velocities are alike.
     """
 
     subject: System
@@ -145,7 +145,8 @@ def seen_in_roots(system: SwitchedSystem, known: Homogeneity | None) -> InRoots 
     axes = surfaces_of(rooted, parse_piecewise(" + ".join(f"Abs({w})" for w in rooted.states), rooted.states))
     cells = stated_cells(rooted, rooted.check.radius, axes).record
     seen = Inclusion(in_roots(subject, roots), {**cells, "empty": []}, ["0"], Collected())
-    return InRoots(subject, roots, tuple(orders), cells, degree, balanced_units(seen, orders))
+    units = balanced_units(seen, orders)
+    return InRoots(subject, roots, tuple(orders), {**cells, "within": list(map(str, units))}, degree, units)
 
 
 def balanced_units(seen: Inclusion, orders: Sequence[int]) -> tuple[Fraction, ...]:
@@ -187,12 +188,11 @@ def _shown(about: InRoots, function: Function) -> Entry:
     Raises:
         NotShownError: where the claims are not shown.
     """
-    text, units = text_of(about, function), np.array(about.units, dtype=float)
-    directions = np.array(list(product((1, -1, 3, -3), repeat=len(units)))) * units
-    values = sum(float(coefficient) * own.at_places(directions) for coefficient, own in function)
+    directions, text = np.array(list(product((1, -1, 3, -3), repeat=len(about.units)))), text_of(about, function)
+    places = directions * np.array(about.units, dtype=float)
+    values = sum(float(coefficient) * own.at_places(places) for coefficient, own in function)
     if np.min(values) < 0:
-        lowest = map(Fraction, directions[np.argmin(values)].tolist())
-        stated = instability_hypotheses(about.cells, text, lowest)
+        stated = instability_hypotheses(about.cells, text, directions[np.argmin(values)].tolist())
         return Search().entry(about.subject, "instability", about.hypotheses(stated))
     stated = stability_hypotheses(about.cells, text, ASYMPTOTICALLY_STABLE) | {"everywhere": True}
     return Search().entry(about.subject, "lyapunov", about.hypotheses(stated))
@@ -211,22 +211,25 @@ def text_of(about: InRoots, function: Function) -> str:
 def _proposals(about: InRoots) -> Iterator[Function]:
     """Sums that fall at all samples, of the lowest degrees first, in the shortest numbers.
 
-    Where none falls along mixtures of two fields, too, these are left out: of an unstable point V may rise along some
-    where it is positive.
+    One that is positive at all samples is chosen again with a margin of this, too.  Where none falls along mixtures of
+    two fields, too, these are left out: of an unstable point V may rise along some where it is positive.
     """
     highest = 2 * max(about.orders) + BEYOND
     for degree in range(max(about.orders) + 1, highest + 1):
         listed = list(products(about.orders, degree))
-        known = functions_of(about, listed)
-        claims = [known.claims(k, positive=False) for k in range(len(listed))]
-        units = np.array([float(own.unit(about.units)) for own in listed])
+        known, units = functions_of(about, listed), units_of(about, listed)
+        claims = [known.claims(k) for k in range(len(listed))]
+        few, every = _rows(claims, _that_are_positive, units)
         for kept in (of_two_fields, _of_cells):
-            asked = [list(kept(own)) for own in claims]
-            rows, every = (_rows(asked, sampler(known, about, seeds), units) for seeds in (FEW_SEEDS, SEEDS))
-            chosen = _falling(rows, every)
-            if chosen is not None:
-                yield from _rounded(chosen, every, listed, about)
-                break
+            some, falls = _rows(claims, kept, units)
+            chosen = _positive(some, falls)
+            if chosen is None:
+                continue
+            if (every @ chosen > 0).all():
+                better = _positive(np.vstack([some, few]), np.vstack([falls, every]))
+                chosen = chosen if better is None else better
+            yield from _rounded(chosen, falls, listed, about)
+            break
 
 
 def functions_of(about: InRoots, listed: Sequence[Product]) -> Functions:
@@ -235,7 +238,12 @@ def functions_of(about: InRoots, listed: Sequence[Product]) -> Functions:
     return Functions(about.seen, {**about.cells, "empty": []}, texts)
 
 
-def _falling(rows: Floats, every: Floats) -> Floats | None:
+def units_of(about: InRoots, listed: Sequence[Product]) -> Floats:
+    """The values of products at the corner of the box where all roots are positive."""
+    return np.array([float(own.unit(about.units)) for own in listed])
+
+
+def _positive(rows: Floats, every: Floats) -> Floats | None:
     """Coefficients with which all rows are positive, by some of them and those that the last ones make negative."""
     for _ in range(ROUNDS):
         chosen = with_margin(rows, np.ones(rows.shape[1]))
@@ -248,50 +256,45 @@ def _falling(rows: Floats, every: Floats) -> Floats | None:
     return None
 
 
+def _that_are_positive(claims: Iterable[Claim]) -> Iterator[Claim]:
+    """Those that V is positive."""
+    return (claim for claim in claims if claim.name.startswith("V "))
+
+
 def _of_cells(claims: Iterable[Claim]) -> Iterator[Claim]:
-    """Those about closed cells."""
-    return (claim for claim in claims if not claim.inequalities[0].pushes)
+    """Those that V falls on closed cells."""
+    return (claim for claim in claims if claim.name.startswith("cell "))
 
 
 def of_two_fields(claims: Iterable[Claim]) -> Iterator[Claim]:
-    """The same, and those about mixtures of two fields along which one surface is kept."""
+    """The same, and that it falls along mixtures of two fields along which one surface is kept."""
     for claim in claims:
         count = len(claim.inequalities[0].pushes)
-        if count < 2:
+        if claim.name.startswith("cell ") or count == 1:
             yield from pairs(claim) if count else [claim]
 
 
-def _rows(claims: Sequence[Sequence[Claim]], points_of: Sampler, units: Floats) -> Floats:
-    """The values at samples that must be positive, over their sizes, a column for each function in its unit."""
-    rows = np.vstack([values_inside(same, 0, points_of(same[0])) for same in zip(*claims, strict=True)]) / units
+def _rows(claims: Sequence[Sequence[Claim]], kept: Kept, units: Floats) -> tuple[Floats, Floats]:
+    """The values at few and at more samples that must be positive, over their sizes, a column for each function."""
+    few, every = (at_samples([list(kept(own)) for own in claims], seeds) / units for seeds in (FEW_SEEDS, SEEDS))
+    return _normalized(few), _normalized(every)
+
+
+def _normalized(rows: Floats) -> Floats:
+    """Rows over their largest entries, without those of zeros."""
     sizes = np.abs(rows).max(axis=1, keepdims=True)
     return np.asarray(rows[sizes[:, 0] > 0] / sizes[sizes[:, 0] > 0])
 
 
-def sampler(known: Functions, about: InRoots, seeds: Iterable[int]) -> Sampler:
-    """Random points at which claims are asked, spread over directions in the units of roots; the claims are of forms.
-
-    Args:
-        known: functions of which the claims are.
-        about: with the units.
-        seeds: of the points.
-    """
-    faces, listed = {f"face {name}": face for face, name, _ in known.bends}, tuple(seeds)
-    units = np.array(about.units, dtype=float)
-
-    def points_of(claim: Claim) -> Floats:
-        face, free = faces.get(claim.name.partition(" pair ")[0]), units
-        if face is not None:  # its coordinates are some of the variables
-            free = units[[form.degree == len(form.terms) == 1 for form in face.coordinates]][: claim.count]
-        points = samples(claim.count, listed) * free
-        return np.asarray(points / max_norms(points)[:, None])
-
-    return points_of
+def at_samples(claims: Sequence[Sequence[Claim]], seeds: tuple[int, ...]) -> Floats:
+    """The values of inequalities at random points, a column for each list of claims."""
+    found = [values_inside(same, 0, samples(same[0].count, seeds)) for same in zip(*claims, strict=True)]
+    return np.vstack(found)
 
 
 @lru_cache(maxsize=16)
 def samples(count: int, seeds: tuple[int, ...]) -> Floats:
-    """Random points of the border of the cube."""
+    """Random points of the border of the box, in its units: the claims are about forms."""
     points = np.vstack([sample_points(count, bounded=True, seed=seed) for seed in seeds])
     return np.asarray(points / max_norms(points)[:, None])
 

@@ -445,6 +445,9 @@ def functions_of_roots() -> Iterator[Case]:
     yield Case("roots-third", {**subject([f"-{root}"]), **rooted}, "lyapunov", falls)
     rises = {**instability("-Abs(root_x)**3", cells("root_x"), ["1"]), **third}
     yield Case("roots-leave", {**subject([root]), **rooted}, "instability", rises)
+    box = {**cells("root_x", "y"), "within": ["1/4", "2"]}
+    twice = {**lyapunov("8*Abs(root_x)**3 + y**2", box), "roots": {"x": 3}}
+    yield Case("roots-box", slides, "lyapunov", twice)
     at_once = {"size": ["1"], "above": "1", "speed": "1", "power": 1}
     arrives = {**lyapunov("root_x**2", cells("root_x"), everywhere=True), "roots": {"x": 2}, "arrival": at_once}
     yield Case("roots-arrive", {**subject(["-sign(x)*sqrt(Abs(x))"]), "roots": ["x"]}, "lyapunov", arrives)

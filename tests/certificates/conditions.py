@@ -248,6 +248,8 @@ def of_functions_of_roots() -> Iterator[Forgery]:
     hypotheses: Path = ["evidence", 0, "hypotheses"]
     because = "orders of roots by the names of states"
     yield Forgery("one condition", "roots-third", (([*hypotheses, "roots"], ["x"]),), because=because)
+    because = "a cube, or a box of roots in the time of the states"
+    yield of_one_state(because, "-x", [ATTRACTS], FALLS, {"cells": {**cube("1"), "within": ["1"]}})
     because = "names of roots that are no states"
     named = {"states": ["x", "root_x"], "rhs": [["-x", "-root_x"]], "at": ["0", "0"]}
     yield of_one_state(because, "", [ATTRACTS], FALLS, {"roots": {"x": 3}}, subject=named)
