@@ -205,7 +205,7 @@ class PathResult(Result):
             rows.append((f"t = {float(event.t):.6g}{second}", what))
         if len(events) > SHOWN:
             rows.append(("...", _counted(len(events) - SHOWN, "more ")))
-        return [*rows, (f"end, t = {float(end.t):.6g}{second}", f"{self._place(end.state, 10)}: {end.reason}")]
+        return [*rows, (f"end, t = {float(end.t):.6g}{second}", f"{self._place(end.state, 10)}: {end.why}")]
 
     def _place(self, state: Sequence[Any], digits: int) -> str:
         """A state in words; positions of a body as a point."""
