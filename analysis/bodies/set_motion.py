@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.minimizers.many_twists import MotionsOnSets
-from nonsmooth.analysis.minimizers.minimum import UNRESISTED, resists_every_motion
+from nonsmooth.analysis.minimizers.minimum import may_jump, resists_every_motion
 from nonsmooth.analysis.minimizers.smooth_newton import NOBODY, CutNewton, SmoothNewton
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
@@ -52,7 +52,7 @@ class SetMotion:
             nonsmooth.analysis.cells.loads.LoadError: where they do not.
         """
         self.model, self._loads = model, MovingLoads(model, pose[:2])
-        self.drags = needs_drag(model)
+        self.drags = may_jump(model)
         self._minimizer = DraggedMinimizer(model) if self.drags else WarmMinimizer(model)
         self._quick = SmoothNewton(model) if model.has_whole_ellipses and not self.drags else None
         dragged = self._minimizer.dragged if isinstance(self._minimizer, DraggedMinimizer) else None
@@ -212,7 +212,7 @@ class ContactSets:
     @property
     def is_stiff(self) -> bool:
         """Whether a little drag stands in for jumps of the twist, which makes the field very stiff."""
-        return needs_drag(self._model)
+        return may_jump(self._model)
 
     @property
     def work(self) -> int:
@@ -282,25 +282,6 @@ class ContactSets:
 
 
 DRAG = 1e-6  # of the friction of the whole weight
-
-
-def needs_drag(model: ContactModel) -> bool:
-    """Whether D is linear in pieces somewhere: a friction set has corners, or one motion is along all that is driven.
-
-    Wheels with parallel rims have such a motion, the translation along them: while all slip, D has no curvature along
-    it.  Its least value is where one of them does not, and jumps to where another one does not as loads change.
-    Where one twist drives all contacts without slip, it is the motion at all loads.
-    """
-    if (model.cuts < 1).any():
-        return True
-    rows, goals = model.friction[:, None] * model.rows, model.friction * model.targets
-    rows = rows / (np.abs(rows).max(axis=0) + np.finfo(float).tiny)
-    pairs, wanted = rows.reshape(-1, 2, 3), goals.reshape(-1, 2)
-    across = wanted[:, :1] * pairs[:, 1] - wanted[:, 1:] * pairs[:, 0]
-    if not wanted.any() or np.linalg.matrix_rank(across, rtol=UNRESISTED) == 3:
-        return False
-    together = np.linalg.lstsq(rows, goals)[0]
-    return max_norm(rows @ together - goals) > UNRESISTED * max_norm(goals)
 
 
 class DraggedMinimizer(WarmMinimizer):

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 
 from nonsmooth.analysis.bodies import path as body_path
 from nonsmooth.analysis.bodies.path import BodyPath, smooth_path
-from nonsmooth.analysis.bodies.set_motion import ContactSets, SetMotion, needs_drag, turning
+from nonsmooth.analysis.bodies.set_motion import ContactSets, SetMotion, turning
 from nonsmooth.analysis.bodies.supports import CarryingWheels
 from nonsmooth.analysis.bodies.switching import Switching
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
@@ -25,6 +25,7 @@ from nonsmooth.analysis.cells.polygon import Polygon, square
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model, contacts_under
 from nonsmooth.analysis.minimizers import ellipse_minimizer
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
+from nonsmooth.analysis.minimizers.minimum import may_jump
 from nonsmooth.analysis.minimizers.smooth_newton import CutNewton
 from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, first_event
@@ -455,21 +456,21 @@ def test_a_body_between_opposed_wheels_comes_to_rest_where_they_bear_alike(array
     assert path.unique is None
 
 
-def test_only_wheels_that_drive_along_one_motion_need_drag(arrays: Arrays) -> None:
+def test_only_wheels_that_drive_along_one_motion_jump(arrays: Arrays) -> None:
     """Parallel rims, rims around one point, and free ones; not such that all turn together without slip."""
 
-    def needs(*wheels: WheelData, friction: Pair = (1, HALF)) -> bool:
-        return needs_drag(contacts_under(ellipse(), arrays.scene(wheels, friction)))
+    def jump(*wheels: WheelData, friction: Pair = (1, HALF)) -> bool:
+        return may_jump(contacts_under(ellipse(), arrays.scene(wheels, friction)))
 
     around = [replace_rim(wheel, (-wheel.position[1], wheel.position[0])) for wheel in OPPOSED]
-    assert needs(*OPPOSED)
-    assert needs(*(wheel._replace(speed=speed) for wheel, speed in zip(around, (1, 2, 1, 2), strict=True)))
-    assert not needs(*around)  # the body turns with them all
+    assert jump(*OPPOSED)
+    assert jump(*(wheel._replace(speed=speed) for wheel, speed in zip(around, (1, 2, 1, 2), strict=True)))
+    assert not jump(*around)  # the body turns with them all
     alike = [replace_rim(wheel, (1, 0)) for wheel in OPPOSED]
-    assert not needs(*alike)  # it goes with them
-    assert needs(*alike[:3], alike[3]._replace(speed=0))
-    assert not needs(*arrays.inward(wheel.position for wheel in OPPOSED))
-    assert needs(*arrays.inward(wheel.position for wheel in OPPOSED), friction=(1, 0))
+    assert not jump(*alike)  # it goes with them
+    assert jump(*alike[:3], alike[3]._replace(speed=0))
+    assert not jump(*arrays.inward(wheel.position for wheel in OPPOSED))
+    assert jump(*arrays.inward(wheel.position for wheel in OPPOSED), friction=(1, 0))
 
 
 def replace_rim(wheel: WheelData, rim: Pair) -> WheelData:
