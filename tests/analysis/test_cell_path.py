@@ -75,6 +75,21 @@ def assert_near_small_steps(scene: Scene, depths: Depths, start: tuple[float, fl
     assert np.abs(found - path.end.state).max() < STEPS_OFF * until / steps
 
 
+def test_sampled_bodies_rest_between_opposed_wheels(arrays: Arrays) -> None:
+    """By hand: the side that bears more sets the speed, so all come to the line between, and stay.
+
+    They were still on their way after all steps, as twists under rule ellipse were not thought to jump.
+    """
+    corners = ((-1, -1), (-1, 1), (1, -1), (1, 1))
+    wheels = [WheelData((x, y), (1 if x < 0 else -1, 0)) for x, y in corners]
+    scene = arrays.scene(wheels).under("ellipse")
+    starts = np.array([(x, y) for x in (-0.3, 0.1, 0.2) for y in (-0.2, 0.0, 0.3)])
+    found = smooth_ends(scene, starts)
+    assert (found.reached >= 0).all()
+    ends = found.places[found.reached]
+    assert ends == pytest.approx(starts * [0, 1], abs=0.01)
+
+
 @pytest.mark.parametrize("rule", ["nearest", "box"])
 def test_a_disc_over_a_wheel_is_followed_from_there(arrays: Arrays, rule: str) -> None:
     """In the middle of a disc its depth has no slope: such starts had no continuation, for want of a number."""
