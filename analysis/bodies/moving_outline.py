@@ -111,10 +111,14 @@ class MovingOutline:
         return slopes.min(axis=1)
 
     def gradient(self, pose: Floats, wheel: int) -> Floats:
-        """``(R n_e, -n_e x q_i)``, the derivative of ``g_i`` by ``(x, y, theta)``, n_e of the deepest side; (3,)."""
+        """``(R n_e, -n_e x q_i)``, the derivative of ``g_i`` by ``(x, y, theta)``, n_e of the deepest side; (3,).
+
+        In the middle of a disc all directions are alike, and one is taken.
+        """
         seen = _seen(self.places[[wheel]], pose)[0]
         if self._radius is not None:
-            normal = (seen - self._middle) / np.hypot(*(seen - self._middle))
+            out = seen - self._middle
+            normal = out / norm(out) if out.any() else np.array([1.0, 0.0])
         else:
             normal = self._normals[int(np.argmin(self._heights - self._normals @ seen))]
         c, s = np.cos(pose[2]), np.sin(pose[2])

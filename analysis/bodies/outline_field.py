@@ -443,6 +443,8 @@ class CellPath:
 class _OnWheels(FilippovFaces):
     """The solutions of the field, with the wheels that come and go told apart from other switches."""
 
+    keeps_beginnings = True
+
     def __init__(self, field: OutlineField, scene: Scene) -> None:
         super().__init__(field, None, WorkMeter(MAX_WORK), MAX_EVENTS)
         self._outlined, self._scene = field, scene

@@ -113,6 +113,7 @@ class BodyPath(CarriedBody):
     """Follows one body that the least dissipation moves."""
 
     method = "minimizer"
+    keeps_beginnings = True
 
     def __init__(self, model: ContactModel, scene: Scene | None = None) -> None:
         """For contacts with their friction sets, and the scene of a body with an outline, with the same wheels.
@@ -164,12 +165,12 @@ class BodyPath(CarriedBody):
             return self.tipped(path, self._well_under(path.state))
         if before is not None:
             self.tell_changes(path, before, support, "" if support.unique else "other choices go on too")
-        if not support.unique:
-            path.unique = False
-        elif self._sets.is_stiff and path.unique:
-            path.unique = None  # where the twist jumps away from a surface, drag draws one solution of several
         self._support = support
         rate = SupportRate(self._switching, support, path.state, self.outline.size)
+        if not support.unique:
+            path.unique = False
+        elif (self._sets.is_stiff or rate.drags) and path.unique:
+            path.unique = None  # where the twist jumps away from a surface, drag draws one solution of several
         mode = SupportMode(self, support, rate)
         if self.scene is not None and self._is_slow(rate(path.time, path.state), 1.0):
             path.pieces.append(mode.piece(Stretch([path.time], [path.state], [])))
@@ -269,7 +270,7 @@ class SupportRate:
     def __init__(self, switching: Switching, support: CarryingWheels, pose: Floats, size: float) -> None:
         self._switching, self._support, self._size = switching, support, size
         self.motions = switching.motions(support, pose)
-        self.drags = switching.is_stiff
+        self.drags = any(motion.drags for motion in self.motions)
         self._weights = np.full(len(support.sliding), 0.5)
 
     def __call__(self, time: float, pose: Floats) -> Floats:

@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.minimizers.many_twists import MotionsOnSets
-from nonsmooth.analysis.minimizers.minimum import resists_every_motion
+from nonsmooth.analysis.minimizers.minimum import may_jump, resists_every_motion
 from nonsmooth.analysis.minimizers.smooth_newton import NOBODY, CutNewton, SmoothNewton
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
@@ -42,6 +42,7 @@ class SetMotion:
 
     Attributes:
         model: the contacts of these wheels.
+        drags: whether a little drag stands in for jumps of the twist.
     """
 
     def __init__(self, model: ContactModel, pose: Floats) -> None:
@@ -51,8 +52,9 @@ class SetMotion:
             nonsmooth.analysis.cells.loads.LoadError: where they do not.
         """
         self.model, self._loads = model, MovingLoads(model, pose[:2])
-        self._minimizer = DraggedMinimizer(model) if needs_drag(model) else WarmMinimizer(model)
-        self._quick = SmoothNewton(model) if model.has_whole_ellipses else None
+        self.drags = may_jump(model)
+        self._minimizer = DraggedMinimizer(model) if self.drags else WarmMinimizer(model)
+        self._quick = SmoothNewton(model) if model.has_whole_ellipses and not self.drags else None
         dragged = self._minimizer.dragged if isinstance(self._minimizer, DraggedMinimizer) else None
         self._cut = None if dragged is None or dragged.shape is not CutEllipse else CutNewton(dragged)
         self._regime = NOBODY
@@ -210,7 +212,7 @@ class ContactSets:
     @property
     def is_stiff(self) -> bool:
         """Whether a little drag stands in for jumps of the twist, which makes the field very stiff."""
-        return needs_drag(self._model)
+        return may_jump(self._model)
 
     @property
     def work(self) -> int:
@@ -269,21 +271,17 @@ class ContactSets:
 # Newton steps from the last minimizer take a tenth of a millisecond, with drag three.  Where they do not prove that
 # theirs is the only minimizer, that of the method of multipliers is taken, which costs a millisecond or more.
 #
-# Where friction sets have corners (rule ``roller``) D is linear in pieces, as under rule ``box``: at some loads its
-# minimizers are a whole face, and beyond them the twist is another one.  Solutions slide along such places (Filippov),
-# which no integrator of smooth fields can follow.  So a little drag is added, ``sum_k epsilon sqrt(x_k^2 + g^2)`` over
-# the entries x of ``(v_x, v_y, L omega)``: smooth, strictly convex, least at rest.  The twist then passes from one to
-# the other while the slope of D along the face changes by the drag's.  It moves a twist that does not jump by the order
-# of epsilon.  The result is proved as ever: as the minimizer of D plus drag, whose value is within ``epsilon (|x|_1 + 3
-# g)`` of the least D.  The field is so stiff that backward differentiation formulas follow it from the start.
+# Where friction sets have corners (rule ``roller``), or all rims are parallel, D is linear in pieces, as under rule
+# ``box``: at some loads its minimizers are a whole face, and beyond them the twist is another one.  Solutions slide
+# along such places (Filippov), which no integrator of smooth fields can follow.  So a little drag is added,
+# ``sum_k epsilon sqrt(x_k^2 + g^2)`` over the entries x of ``(v_x, v_y, L omega)``: smooth, strictly convex, least at
+# rest.  The twist then passes from one to the other while the slope of D along the face changes by the drag's.  It
+# moves a twist that does not jump by the order of epsilon.  The result is proved as ever: as the minimizer of D plus
+# drag, whose value is within ``epsilon (|x|_1 + 3 g)`` of the least D.  The field is so stiff that backward
+# differentiation formulas follow it from the start.
 
 
 DRAG = 1e-6  # of the friction of the whole weight
-
-
-def needs_drag(model: ContactModel) -> bool:
-    """Whether D is linear in pieces somewhere: a friction set has corners."""
-    return bool((model.cuts < 1).any())
 
 
 class DraggedMinimizer(WarmMinimizer):

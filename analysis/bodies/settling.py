@@ -25,7 +25,7 @@ from nonsmooth.analysis.bodies.mass_study import BROKEN_OFF
 from nonsmooth.analysis.bodies.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.bodies.supports import carried_contacts
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
-from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.analysis.trajectories.result import UNFINISHED, EndReason
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Pose
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, norms
@@ -39,7 +39,6 @@ MOST_WORK = 6_000  # evaluations of all forces for one start: about a second; no
 LONGEST = 20_000  # of one chunk, which may hold very many short steps where wheels are slow or stick
 LOOKS = 400  # at a path, beside another one
 FACTORS = tuple(2.0**k for k in range(-4, 4))  # of the speeds of all wheels
-UNFINISHED = frozenset({EndReason.EVENTS, EndReason.STEPS})
 LIGHT = 2.0**-6  # of these speeds: a body without inertia, but for a 4,096th
 
 

@@ -83,7 +83,7 @@ class Switching:
     """Motions near the edge of one body."""
 
     def __init__(self, sets: ContactSets, outline: MovingOutline) -> None:
-        self._sets, self._outline, self.is_stiff = sets, outline, sets.is_stiff
+        self._sets, self._outline = sets, outline
 
     def next_support(self, pose: Floats, carrying: Wheels, edge: Sequence[int]) -> CarryingWheels:
         """How the body goes on from a pose with the wheels ``edge`` under its edge.

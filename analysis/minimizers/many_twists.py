@@ -17,6 +17,7 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.minimizers.minimum import may_jump
 from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, finite_rows, max_norms
@@ -257,7 +258,7 @@ class MovingTwists:
         weights = model.friction.reshape(-1, 2)
         self._rows = weights[..., None] * model.rows.reshape(-1, 2, 3) / self._unit
         self._targets = weights * model.targets.reshape(-1, 2)
-        self._turns = bool((model.cuts < 1).any())
+        self._turns = may_jump(model)
         self._twists = ManyTwists(float(np.abs(self._targets).max()), rollers=self._turns)
         self._last = np.zeros((paths, 3))
 

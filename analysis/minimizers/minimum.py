@@ -422,6 +422,26 @@ def resists_every_motion(model: ContactRows, loads: Floats) -> Mask:
     return np.array(full, dtype=bool)[which.reshape(-1)]
 
 
+def may_jump(model: ContactRows) -> bool:
+    """Whether the motion may jump as loads change, because D is linear in pieces somewhere.
+
+    There a friction set has corners, or one motion is along all that is driven.
+    Wheels with parallel rims have such a motion, the translation along them: while all slip, D has no curvature along
+    it.  Its least value is where one of them does not, and jumps to where another one does not as loads change.
+    Where one twist drives all contacts without slip, it is the motion at all loads.
+    """
+    if (model.cuts < 1).any():
+        return True
+    rows, goals = model.friction[:, None] * model.rows, model.friction * model.targets
+    rows = rows / (np.abs(rows).max(axis=0) + np.finfo(float).tiny)
+    pairs, wanted = rows.reshape(-1, 2, 3), goals.reshape(-1, 2)
+    across = wanted[:, :1] * pairs[:, 1] - wanted[:, 1:] * pairs[:, 0]
+    if not wanted.any() or np.linalg.matrix_rank(across, rtol=UNRESISTED) == 3:
+        return False
+    together = np.linalg.lstsq(rows, goals)[0]
+    return max_norm(rows @ together - goals) > UNRESISTED * max_norm(goals)
+
+
 def minima_without_proof(found: Mask) -> str:
     """In words, how many of so many minima are not proved; empty where all are."""
     missing = int(np.count_nonzero(~found))

@@ -20,6 +20,7 @@ e_i`` with J the Jacobian of Newton's method, also beyond the place where a forc
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -391,6 +392,7 @@ class CutNewton:
         if twist is None:
             return None
         unknowns, loaded, arcs = twist * self._scale, loads > 0, np.zeros(len(loads), bool)
+        move = math.inf
         for _ in range(CUT_STEPS):
             slips = self._pairs @ unknowns - self._goals
             before, arcs = arcs, self._on_arcs(slips)
@@ -399,18 +401,22 @@ class CutNewton:
             found = self._step(loads, slips, arcs)
             if found is None:
                 return None
-            step, forces = found
+            step, forces, lack = found
             turned = self._first_turned(slips, step, loaded & (self._cut < 1) & ~arcs)
             if turned is not None:  # as far as there, where it begins to roll or stick
                 share, contact, axis = turned
-                unknowns, self._sides[contact, axis] = unknowns + share * step, 0.0
+                unknowns, self._sides[contact, axis], move = unknowns + share * step, 0.0, math.inf
                 continue
             unknowns = unknowns + step
             excess = np.abs(forces) - self._limits
             if excess.max() > 0:
                 contact, axis = divmod(int(excess.argmax()), 2)
-                self._sides[contact, axis] = np.sign(forces[contact, axis])
-            elif max_norm(self._pairs @ step) <= SETTLED * self._speed and np.array_equal(arcs, before):
+                self._sides[contact, axis], move = np.sign(forces[contact, axis]), math.inf
+                continue
+            last, move = move, max_norm(self._pairs @ step)
+            # where drag alone bends D, rounding of the forces keeps steps from becoming smaller
+            is_rounding = move >= last and lack <= HELD * loads.sum()
+            if (move <= SETTLED * self._speed or is_rounding) and np.array_equal(arcs, before):
                 self.last = unknowns / self._scale
                 return self.last
         return None
@@ -426,9 +432,10 @@ class CutNewton:
         self._sides[~rolls, 1] = np.sign(slips[~rolls, 1])
         return np.asarray(arcs)
 
-    def _step(self, loads: Floats, slips: Floats, arcs: Mask) -> tuple[Floats, Floats] | None:
+    def _step(self, loads: Floats, slips: Floats, arcs: Mask) -> tuple[Floats, Floats, float] | None:
         """A step of the twist in scaled units, and forces of contacts that roll or stick (n, 2); None if singular.
 
+        With them what all forces lack before the step to balance each other.
         Contacts that hold one motion together, such as wheels with their rims on one line, take equal shares of their
         limits: the least of all forces that balance.
         """
@@ -454,7 +461,7 @@ class CutNewton:
                 return None
         unknown = np.zeros_like(slips)
         unknown[held] = found[3:] * self._limits[held]
-        return (found[:3], unknown) if are_finite(found) else None
+        return (found[:3], unknown, max_norm(matrix[:3, :3] @ found[:3])) if are_finite(found) else None
 
     def _first_turned(self, slips: Floats, step: Floats, slipping: Mask) -> tuple[float, int, int] | None:
         """The share of a step at which a slip first leaves its side, of which contact, and along 0 or across 1.

@@ -428,6 +428,7 @@ class Path:
         stretches: the solutions of the modes so far.
         shown: how many entries of the state events and the trajectory show; None for all.
         reason: why it ended.
+        note: why it is not followed any farther, where that is the reason.
     """
 
     time: Any
@@ -439,6 +440,7 @@ class Path:
     stretches: list[Stretch] = field(default_factory=list)
     unique: bool | None = True
     reason: EndReason = EndReason.TIME
+    note: str = ""
 
     def tell(self, kind: EventKind, surface: str, **more: Any) -> None:
         """Note an event now."""
@@ -463,7 +465,7 @@ class Path:
 
     def trajectory(self, kinematics: str, method: str) -> Trajectory:
         """The path as it is handed back: by its pieces, or without any by the ends of all steps."""
-        end = End(self.time, self.pose, self.reason)
+        end = End(self.time, self.pose, self.reason, self.note)
         sampled: Samples = (end.t,), (end.state,)
         if self.stretches and not self.pieces:
             times, states = self.ends_of_steps()
@@ -477,10 +479,12 @@ class HybridField(ABC):
     Attributes:
         dense: whether the solution between steps is kept, as pieces; else samples are kept only.
         shown: how many entries of a state are shown; None for all.
+        keeps_beginnings: whether a path that cannot be followed any farther ends there, after its start.
     """
 
     dense = True
     shown: int | None = None
+    keeps_beginnings = False
 
     @abstractmethod
     def next_mode(self, path: Path) -> Mode | EndReason:
@@ -503,11 +507,17 @@ def follow(field: HybridField, start: tuple[Any, Any], until: Any, stepper: Step
     """
     path = Path(*start, until, field.shown)
     while True:
-        mode = field.next_mode(path)
+        try:
+            mode = field.next_mode(path)
+        except TrajectoryError as error:
+            if not (field.keeps_beginnings and path.stretches):
+                raise
+            path.reason, path.note = EndReason.UNPROVED, str(error)
+            return path
         if isinstance(mode, EndReason):
             path.reason = mode
             return path
-        stretch, met, reason = _stretch(mode, path, stepper, dense=field.dense)
+        stretch, met, reason = _stretch(field, mode, path, stepper)
         path.time, path.state = stretch.times[-1], stretch.end
         path.stretches.append(stretch)
         if field.dense:
@@ -520,7 +530,9 @@ def follow(field: HybridField, start: tuple[Any, Any], until: Any, stepper: Step
             return path
 
 
-def _stretch(mode: Mode, path: Path, stepper: Stepper, *, dense: bool) -> tuple[Stretch, int | None, EndReason | None]:
+def _stretch(
+    field: HybridField, mode: Mode, path: Path, stepper: Stepper
+) -> tuple[Stretch, int | None, EndReason | None]:
     """One mode to its first event, or until the path ends; the guard that fell there, and why it ends."""
     stretch, guards = Stretch([path.time], [path.state], []), mode.guards
     values = None if guards is None else guards.at(path.time, path.state)
@@ -528,7 +540,10 @@ def _stretch(mode: Mode, path: Path, stepper: Stepper, *, dense: bool) -> tuple[
     while True:
         try:
             step = next(steps, None)
-        except TrajectoryError:
+        except TrajectoryError as error:
+            if field.keeps_beginnings and stretch.times[-1] > 0:
+                path.note = str(error)
+                return stretch, None, EndReason.UNPROVED
             if not escapes(mode, stretch.times[-1], stretch.end):
                 raise
             return stretch, None, EndReason.ESCAPES
@@ -536,7 +551,7 @@ def _stretch(mode: Mode, path: Path, stepper: Stepper, *, dense: bool) -> tuple[
             return stretch, None, None
         if path.until is not None and is_watched():
             tell(f"t = {float(step.end):.6g} of {float(path.until):.6g}")
-        if dense:
+        if field.dense:
             stretch.steps.append(step)
         if guards is not None and values is not None:
             following = guards.at(step.end, step.last)
@@ -544,7 +559,7 @@ def _stretch(mode: Mode, path: Path, stepper: Stepper, *, dense: bool) -> tuple[
             if found is not None:
                 last, time, state = _ended(step, guards, *found)
                 mode.passed(last, time)
-                if dense:
+                if field.dense:
                     stretch.steps[-1] = last
                 stretch.times.append(time)
                 stretch.states.append(state)

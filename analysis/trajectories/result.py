@@ -54,6 +54,10 @@ class EndReason(StrEnum):
     LOADS = "a load of the load table becomes negative"
     EVENTS = "the largest number of events is reached"
     STEPS = "the largest number of steps is reached"
+    UNPROVED = "what follows is not known"
+
+
+UNFINISHED = frozenset({EndReason.EVENTS, EndReason.STEPS, EndReason.UNPROVED})  # where the solution goes on
 
 
 @dataclass(frozen=True)
@@ -127,15 +131,27 @@ class Piece:
 
 @dataclass(frozen=True)
 class End:
-    """Last state, when and why; an infinite time is ``inf``, a state without limit is not a number."""
+    """Last state, when and why; an infinite time is ``inf``, a state without limit is not a number.
+
+    Attributes:
+        note: why what follows is not known; empty for every other reason.
+    """
 
     t: Any
     state: State
     reason: EndReason
+    note: str = ""
+
+    @property
+    def why(self) -> str:
+        """The reason, with its note."""
+        return f"{self.reason}: {self.note}" if self.note else str(self.reason)
 
     def record(self) -> dict[str, Any]:
         """JSON-ready, with the exact numbers beside the floats."""
         entry: dict[str, Any] = {"t": _float(self.t), "state": _floats(self.state), "reason": self.reason.value}
+        if self.note:
+            entry["note"] = self.note
         if not any(isinstance(value, float) for value in (self.t, *self.state)):
             entry["exact"] = {"t": str(self.t), "state": [str(value) for value in self.state]}
         return entry

@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.many_twists import MovingTwists
-from nonsmooth.analysis.minimizers.minimum import free_motions
+from nonsmooth.analysis.minimizers.minimum import free_motions, may_jump
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import tell_count
 from nonsmooth.symbolic.numbers.plane_arrays import (
@@ -94,8 +94,8 @@ class _Field:
 
     @property
     def jumps(self) -> bool:
-        """Whether twists may jump: D is linear in pieces where rollers turn."""
-        return bool((self._model.cuts < 1).any())
+        """Whether twists may jump."""
+        return may_jump(self._model)
 
     def __call__(self, points: Floats) -> Floats:
         """Velocities at points (m, 2), shape (m, 2), by proved minimizers.

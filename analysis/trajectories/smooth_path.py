@@ -39,6 +39,7 @@ from nonsmooth.analysis.trajectories.result import (
     TrajectoryError,
 )
 from nonsmooth.analysis.trajectories.steppers import StiffAware
+from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
@@ -210,7 +211,7 @@ class FilippovFaces(HybridField):
         if choice is None:
             choices = face_choices(self.field, self.faces, path.time, path.state)
             if not choices and not self.field.on_border(path.state):
-                raise TrajectoryError(f"no Filippov continuation found at t = {path.time:.6g}, {path.state.tolist()}")
+                raise TrajectoryError(f"no Filippov continuation found {self._where(path)}")
             if not choices or len(path.events) >= self.max_events:
                 return EndReason.EVENTS if choices else EndReason.OUTSIDE
             self.meter.left -= SWITCH_WORK * len(self.faces)
@@ -220,6 +221,13 @@ class FilippovFaces(HybridField):
             choice = choices[0]
         self.before = choice.motion.face
         return self._mode(choice, path)
+
+    def _where(self, path: Path) -> str:
+        """When and where a path is, in the scene's unit of length."""
+        place = path.state.copy()
+        lengths = [k for k in range(len(place)) if k != self.field.heading]
+        place[lengths] *= self.field.unit
+        return f"at t = {path.time:.6g}, {place_text(place.tolist())}"
 
     def _mode(self, choice: FaceChoice, path: Path) -> _FaceMode:
         """The mode of a choice; that of a cell with flat bounds is the same wherever the path enters it."""
@@ -240,7 +248,7 @@ class FilippovFaces(HybridField):
         if self._stalled > MAX_STALLED:
             if escapes(mode, path.time, path.state):
                 return EndReason.ESCAPES
-            raise TrajectoryError(f"no progress at t = {path.time:.6g}, {path.state.tolist()}: please report this")
+            raise TrajectoryError(f"no progress {self._where(path)}: please report this")
         self._watch(path)
         others = self._others_along(mode.motion, stretch) if path.unique and len(face.keep) > 1 else ""
         if others:

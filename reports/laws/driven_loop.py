@@ -29,7 +29,7 @@ from nonsmooth.analysis.trajectories.imposed_twists import (
     driven_field,
     follow_held,
 )
-from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import End, EndReason, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.steppers import StiffAware
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
@@ -44,6 +44,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats, places_of
 
 MOST_CONES = 4  # of directions of c: on the axis c = 0 all their planes meet, and the follower tries 3^m patterns of m
 REMEMBERED = 64  # places: where modes meet, several of them ask for one motion
+OUTSIDE = "the body leaves the square in which the speeds impose their twists"
 TOLERANCE = 1e-9  # of a step under rule ellipse, relative; a minimizer is right to about 1e-12
 
 
@@ -187,10 +188,28 @@ class DrivenLoop:
             ContradictionError: where V rises along a path from the certified region.
         """
         x, y, theta = start
+        if self._is_sampled_outside(x, y):
+            raise TrajectoryError(OUTSIDE)
         own = (x / self.length, y / self.length, theta)
-        path = self._followed(own, until).in_lengths(self.length)
+        path = self._within_reach(self._followed(own, until).in_lengths(self.length))
         self._refuse_contradiction(path)
         return path
+
+    def _is_sampled_outside(self, x: float, y: float) -> bool:
+        """Whether the speeds of a law that is sampled and held impose other motions there than its own.
+
+        Under rules with cells motions are not sought at every sample.
+        """
+        return self.is_sampled and self.reach is not None and max(abs(x), abs(y)) >= self.reach
+
+    def _within_reach(self, path: Trajectory) -> Trajectory:
+        """A path as far as its samples are those of the law."""
+        out = next((k for k, (x, y, _) in enumerate(path.states) if self._is_sampled_outside(x, y)), None)
+        if out is None:
+            return path
+        kept = path.times[: out + 1], path.states[: out + 1]
+        end = End(float(kept[0][-1]), kept[1][-1], EndReason.UNPROVED, OUTSIDE)
+        return replace(path, sampled=kept, end=end)
 
     def _followed(self, own: Pose, until: float) -> Trajectory:
         """The path, with l for the unit of length."""
@@ -217,7 +236,7 @@ class DrivenLoop:
                     f"the path from {where}, as it was computed, lets V rise by {rise:.3g} from {values[0]:.3g}",
                 )
         elif np.abs(path.array[:, :2]).max() >= self.reach:
-            raise TrajectoryError("the body leaves the square in which the speeds impose their twists")
+            raise TrajectoryError(OUTSIDE)
 
 
 def _constant(twist: Floats) -> Motion:

@@ -21,12 +21,26 @@ from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.bodies.supports import StartTipsError
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.minimizers.float_loads import hull_sides
-from nonsmooth.analysis.trajectories.result import EndMotion, EndReason, EventKind, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import (
+    UNFINISHED,
+    EndMotion,
+    EndReason,
+    EventKind,
+    Trajectory,
+    TrajectoryError,
+)
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, in_square, stopped, without
 from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.refusals import OptionError
-from nonsmooth.reports.simulations.path_ends import ArrayPathEnd, accuracy_text, in_unit, is_near, sampled_record
+from nonsmooth.reports.simulations.path_ends import (
+    ArrayPathEnd,
+    accuracy_text,
+    in_unit,
+    is_near,
+    pose_text,
+    sampled_record,
+)
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.mechanics.body import support_polygon, widest_square
@@ -61,7 +75,7 @@ WORDS: dict[StrEnum, str] = {  # each failure is one line
     EndReason.APPROACH: "comes near",
     EndReason.OUTSIDE: "leaves",
     EndReason.TIPS: "tips",
-    EndReason.STEPS: "broken off",
+    **dict.fromkeys(UNFINISHED, "broken off"),
 }
 
 
@@ -105,7 +119,7 @@ class FailedPath:
     @property
     def end(self) -> Pose | None:
         """The last pose; None without a path to its end, and of a body that tips."""
-        if self.path is None or self.does_tip or self.path.end.reason is EndReason.STEPS:
+        if self.path is None or self.does_tip or self.is_broken_off:
             return None
         return pose_in_floats(self.path.end.state)
 
@@ -113,12 +127,15 @@ class FailedPath:
     def is_open(self) -> bool:
         """Whether what becomes of the body is not known.
 
-        So it is without a path, of one that is broken off after too many steps, and of one that other solutions leave
-        for other places: the body may go with them.
+        So it is without a path, of one that is broken off, and of one that other solutions leave for other places: the
+        body may go with them.
         """
-        if self.does_tip:
-            return False
-        return self.path is None or self.path.end.reason is EndReason.STEPS or self.branches
+        return not self.does_tip and (self.path is None or self.is_broken_off or self.branches)
+
+    @property
+    def is_broken_off(self) -> bool:
+        """Whether it is followed only as far as somewhere on the way."""
+        return self.path is not None and self.path.end.reason in UNFINISHED
 
     @property
     def branches(self) -> bool:
@@ -141,7 +158,7 @@ class FailedPath:
         """How it ends, in words."""
         if self.path is None:
             return f"not followed: {self.why_not}"
-        how = str(EndReason.TIPS if self.does_tip else self.path.end.reason)
+        how = str(EndReason.TIPS) if self.does_tip else self.path.end.why
         return f"{how}; other solutions branch off" if self.branches else how
 
 
@@ -223,8 +240,8 @@ class FailedPathsResult(Result):
         accuracy = f"home: within {accuracy_text(self.scene)} of the checked point"
         said = f"sampled, without inertia, {until}; {accuracy}"
         if len(self.whole) == 1:
-            lost = (path for path in self.paths if path.path is None and not path.does_tip)
-            reasons = sentences(*(f"{path.failed}: {path.how}" for path in lost))
+            followed = (self._followed(path) for path in (*self.whole, *self.paths))
+            reasons = sentences(*(line for line in followed if line))
             return [*sentences(said), self._of_one_start(), *reasons, *self._worst()]
         names = (
             "failed",
@@ -255,6 +272,17 @@ class FailedPathsResult(Result):
         names = ("wheel failed", in_unit("ends at", unit), "heading (deg)", in_unit("moved", unit), "home", "then")
         return table(names, lines, (1.2, 1.5, 1.0, 0.9, 0.5, 0.9))
 
+    def _followed(self, path: FailedPath) -> str:
+        """As far as where a path is followed, and why not farther; empty where it is to its end."""
+        if path.does_tip or not (path.path is None or path.is_broken_off):
+            return ""
+        name = f"{path.failed}" if path.failed.wheels else "all wheels"
+        if path.path is None:
+            return f"{name}: {path.how}"
+        end, units = path.path.end, self.scene.units
+        until = f"t = {float(end.t):.4g}{units.after_time}"
+        return f"{name}: followed until {until}, {pose_text(units, end.state, 4)}: {path.how}"
+
     def _how(self, path: FailedPath) -> str:
         """In a word how a path ends, where its time is over with which motion."""
         if path.path is None and not path.does_tip:
@@ -276,8 +304,10 @@ class FailedPathsResult(Result):
             return []
         worst = self._worst_first()[0]
         if not self.came:  # which is the worst for bodies that end elsewhere anyhow is no question
-            said = f"with all wheels none of {len(self.whole)} comes home; {worst} moves the end farthest"
-            return sentences(said)
+            doubtful = sum(path.is_open for path in self.whole)
+            known = f"; of {doubtful} that is not known" if doubtful else ""
+            moves = "" if self.farthest(worst) is None else f"; {worst} moves the end farthest"
+            return sentences(f"with all wheels none of {len(self.whole)} comes home{known}{moves}")
         lost = self.lost(worst)
         left = sum(map(self.unknown, self.failures))
         every = "all that came home and are known" if left else "all that came home"
@@ -435,7 +465,7 @@ def _followed(scene: Scene, failed: Failed, start: Pose, until: float, before: F
         return FailedPath(failed, start, None, one_line(str(error)))
     out = _leaves_support(array, [state[:2] for state in path.states]) if lifted and scene.body is None else None
     tips = None if out is None else float(path.times[out])
-    ends = path.end.reason not in {EndReason.TIPS, EndReason.STEPS}
+    ends = path.end.reason not in {EndReason.TIPS, *UNFINISHED}
     near = tips is None and ends and is_near(scene, path.end.state)
     return FailedPath(failed, start, path, tips=tips, near=near)
 

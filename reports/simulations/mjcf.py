@@ -478,6 +478,7 @@ def export_world(scene: Scene, place: Vector | None = None) -> WorldExport:
         TrajectoryError: where that of the predicted path is not proved to be the minimizer.
     """
     from nonsmooth.analysis.bodies.mass_study import rule_path
+    from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 
     require_known_loads(scene, "to export it")
     _require_engine(scene)
@@ -486,6 +487,8 @@ def export_world(scene: Scene, place: Vector | None = None) -> WorldExport:
     point = in_floats(_beside(scene) if place is None else place)
     fastest, scale = _sizes(table)
     path = rule_path(scene, RULE, (*point, 0.0), WAY * scale / fastest)
+    if path.end.reason is EndReason.UNPROVED:
+        raise TrajectoryError(path.end.note)
     return WorldExport(table, point, path, axis, scale, WORLD_SPEED / fastest)
 
 

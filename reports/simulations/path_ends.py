@@ -14,7 +14,16 @@ from functools import cached_property
 from typing import Any
 
 from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swings_of
-from nonsmooth.analysis.trajectories.result import Ending, EndMotion, EndReason, Trajectory, ending, parts_of
+from nonsmooth.analysis.trajectories.result import (
+    UNFINISHED,
+    End,
+    Ending,
+    EndMotion,
+    EndReason,
+    Trajectory,
+    ending,
+    parts_of,
+)
 from nonsmooth.proofs.findings import Record
 from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -59,16 +68,21 @@ class ArrayPathEnd:
         return times, norms(found - found[-1])
 
     @property
+    def _goes_on(self) -> bool:
+        """Whether it moves on at the end, or is not followed to its end."""
+        return self.ending.motion is EndMotion.MOVING or self.path.end.reason in UNFINISHED
+
+    @property
     def settles_after(self) -> float | None:
         """The time after which it stays within the accuracy of where it ends; None where it moves on."""
-        if self.ending.motion is EndMotion.MOVING:
+        if self._goes_on:
             return None
         return arrival(*self._distances, float(accuracy_at_point(self.scene)))
 
     @property
     def swings(self) -> int | None:
         """How often it comes back to more than the accuracy; None where it moves on."""
-        if self.ending.motion is EndMotion.MOVING:
+        if self._goes_on:
             return None
         return swings_of(self._distances[1], float(accuracy_at_point(self.scene)))
 
@@ -89,7 +103,7 @@ class ArrayPathEnd:
     def words(self) -> str:
         """The sentence."""
         state = [float(value) for value in self.path.end.state]
-        parts = [_place(self.scene, state)]
+        parts = [f"{_ends(self.path.end, self.scene.units)} {_place(self.scene, state)}"]
         if self.path.end.reason is EndReason.TIPS:
             return ", ".join([*parts, "where it tips"])
         if self.settles_after is not None:
@@ -125,7 +139,14 @@ def _place(scene: Scene, state: Any) -> str:
     distance, unit = distance_from_point(scene, state), scene.units.after_length
     near = distance <= AT_POINT * size_of(scene)
     place = "at the point" if near else f"{float_text(distance, DIGITS)}{unit} from the point"
-    return f"ends {place}, heading {_in_words(scene, float(state[2]))}"
+    return f"{place}, heading {_in_words(scene, float(state[2]))}"
+
+
+def _ends(end: End, units: Units | None = None) -> str:
+    """What stands before the place: a path that is broken off does not end there."""
+    if end.reason not in UNFINISHED:
+        return "ends"
+    return f"followed until t = {float_text(end.t, DIGITS)}{units.after_time if units else ''},"
 
 
 def _in_words(scene: Scene, radians: float) -> str:
@@ -196,10 +217,10 @@ def settled_words(scene: Scene, body: Settled) -> str:
         return f"thrown off after {float_text(body.until, DIGITS)}{scene.units.after_time}"
     if body.kind is Settling.LIMIT_CYCLE and body.amplitude is not None:
         size = float_text(body.amplitude, DIGITS) + scene.units.after_length
-        return f"swings on for ever, up to {size} from a place {_place(scene, body.end).removeprefix('ends ')}"
+        return f"swings on for ever, up to {size} from a place {_place(scene, body.end)}"
     if body.settles_after is None:
         return f"still moving after {float_text(body.until, DIGITS)}{scene.units.after_time}"
-    parts = [_place(scene, body.end), _settles(scene, body.settles_after), _swings(body.swings or 0)]
+    parts = [f"ends {_place(scene, body.end)}", _settles(scene, body.settles_after), _swings(body.swings or 0)]
     return ", ".join(parts)
 
 
@@ -236,7 +257,7 @@ def system_end(system: SwitchedSystem, path: Trajectory) -> tuple[Record, str]:
     if end.since is not None:
         motion = f"at rest since t = {float_text(end.since, DIGITS)}"
     record = end.record() | {"distance": distance}
-    return {key: value for key, value in record.items() if key != "turning"}, f"ends {place}, {motion}"
+    return {key: value for key, value in record.items() if key != "turning"}, f"{_ends(path.end)} {place}, {motion}"
 
 
 def is_at_point(system: SwitchedSystem, state: Sequence[Any]) -> bool:

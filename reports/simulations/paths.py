@@ -27,7 +27,7 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import UNFINISHED, EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import half_life, has_dynamics, how_far
 from nonsmooth.proofs.findings import Feedback, Record
@@ -74,6 +74,7 @@ UNIQUE = {
     False: "not unique: other solutions branch off",
     None: "uniqueness not decided",
 }
+UNIQUE_SO_FAR = "unique so far: no other solution from this start until then"
 
 
 class PathResult(Result):
@@ -144,12 +145,18 @@ class PathResult(Result):
         """Events and end under what is followed, and whether other solutions branch off."""
         head = sentences(*self.head())
         _, ends = self.ending
-        said = (ends, *self.beside(), UNIQUE[self.trajectory.unique])
+        said = (ends, *self.beside(), self._unique)
         return [*head, findings(self._events()), *sentences(*said)]
 
     def beside(self) -> Sequence[str]:
         """What else is said of the end."""
         return ()
+
+    @property
+    def _unique(self) -> str:
+        """Whether other solutions branch off, as far as the path is followed."""
+        path = self.trajectory
+        return UNIQUE_SO_FAR if path.unique and path.end.reason in UNFINISHED else UNIQUE[path.unique]
 
     def summary(self) -> str:
         """How many events, and how it ends."""
@@ -205,7 +212,7 @@ class PathResult(Result):
             rows.append((f"t = {float(event.t):.6g}{second}", what))
         if len(events) > SHOWN:
             rows.append(("...", _counted(len(events) - SHOWN, "more ")))
-        return [*rows, (f"end, t = {float(end.t):.6g}{second}", f"{self._place(end.state, 10)}: {end.reason}")]
+        return [*rows, (f"end, t = {float(end.t):.6g}{second}", f"{self._place(end.state, 10)}: {end.why}")]
 
     def _place(self, state: Sequence[Any], digits: int) -> str:
         """A state in words; positions of a body as a point."""

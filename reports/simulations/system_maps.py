@@ -16,7 +16,7 @@ import numpy as np
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
+from nonsmooth.analysis.trajectories.result import UNFINISHED, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import MAX_WORK
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.contradictions import FollowedStarts, contradictions_of_map
@@ -269,5 +269,5 @@ def _followed(portrait: PhasePortrait, starts: Floats, until: float, report: Pro
         except (TrajectoryError, RefusalError):
             yield np.full(2, np.nan)
             continue
-        is_cut_short = end.reason in (EndReason.STEPS, EndReason.EVENTS)
+        is_cut_short = end.reason in UNFINISHED
         yield np.full(2, np.nan) if is_cut_short else np.array(end.state, float)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from fractions import Fraction
 from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -24,13 +25,14 @@ from nonsmooth.analysis.cells.polygon import Polygon, square
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model, contacts_under
 from nonsmooth.analysis.minimizers import ellipse_minimizer
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
+from nonsmooth.analysis.minimizers.minimum import may_jump
 from nonsmooth.analysis.minimizers.smooth_newton import CutNewton
 from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, first_event
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import without
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.body import Disc
+from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from nonsmooth.symbolic.numbers.coefficients import whole_multiples
@@ -423,6 +425,103 @@ def test_a_step_that_looks_beyond_a_corner_of_the_support_ends_no_path(arrays: A
     twists = [motion.rate(pose) - motion.rate(pose)[2] * turning(pose) for pose in (inside, beyond)]
     assert twists[1] == pytest.approx(twists[0], abs=1e-15)
     assert np.abs(twists[0]).max() > 1e-2
+
+
+# Rims along x, two at either side of the middle, drive a body toward it at one speed.
+OPPOSED = [
+    WheelData((x, y), (1 if x < 0 else -1, 0)) for x, y in ((-1, -1), (-1, 1), (1, -1), (1, 1))
+]  # fmt: skip
+
+
+def opposed(arrays: Arrays, *others: WheelData) -> Scene:
+    """Such wheels, and others."""
+    return arrays.scene([*OPPOSED, *others], friction=(1, Fraction(1, 2))).under("ellipse")
+
+
+@pytest.mark.parametrize("body", [None, Disc])
+def test_a_body_between_opposed_wheels_comes_to_rest_where_they_bear_alike(arrays: Arrays, body: Any) -> None:
+    """By hand: the side that bears more sets the speed, and in the middle neither does.
+
+    The twist jumps there though no friction ellipse is cut; such paths took steps of 1e-14 and never ended.
+    """
+    scene = opposed(arrays)
+    if body is not None:
+        zero, one = scene.field(0), scene.field(1)
+        scene = replace(scene, body=Body(body(scene.field(3)), (zero, zero), (one, zero)))
+    start = (0.4, 0.3, 0.2)
+    path = smooth_path(ellipse(), scene, start, 1.0)
+    assert path.end.state == pytest.approx((0.0, 0.3, 0.2), abs=1e-6)
+    assert path.sample([0.1, 0.3])[:, 0] == pytest.approx([0.3, 0.1], abs=1e-5)
+    assert path.end.reason is (EndReason.TIME if body is None else EndReason.REST)
+    assert path.unique is None
+
+
+def test_only_wheels_that_drive_along_one_motion_jump(arrays: Arrays) -> None:
+    """Parallel rims, rims around one point, and free ones; not such that all turn together without slip."""
+
+    def jump(*wheels: WheelData, friction: Pair = (1, HALF)) -> bool:
+        return may_jump(contacts_under(ellipse(), arrays.scene(wheels, friction)))
+
+    around = [replace_rim(wheel, (-wheel.position[1], wheel.position[0])) for wheel in OPPOSED]
+    assert jump(*OPPOSED)
+    assert jump(*(wheel._replace(speed=speed) for wheel, speed in zip(around, (1, 2, 1, 2), strict=True)))
+    assert not jump(*around)  # the body turns with them all
+    alike = [replace_rim(wheel, (1, 0)) for wheel in OPPOSED]
+    assert not jump(*alike)  # it goes with them
+    assert jump(*alike[:3], alike[3]._replace(speed=0))
+    assert not jump(*arrays.inward(wheel.position for wheel in OPPOSED))
+    assert jump(*arrays.inward(wheel.position for wheel in OPPOSED), friction=(1, 0))
+
+
+def replace_rim(wheel: WheelData, rim: Pair) -> WheelData:
+    return wheel._replace(direction=rim)
+
+
+ROLLERS = """
+contact = { rule = "roller" }
+friction = { mu_roll = 0.7, mu_side = 0.02 }
+check = { equilibrium = [250, 150], radius = 20 }
+wheel = [
+    { position = [200, 100], heading = "94 deg" }, { position = [300, 100], heading = "154 deg" },
+    { position = [200, 200], heading = "-86 deg" }, { position = [300, 200], heading = "203 deg" },
+]
+"""
+
+
+def test_a_minimum_that_only_drag_holds_is_proved_to_rounding(tmp_path: Path) -> None:
+    """Between two wheels that roll, steps of Newton's method stay as large as rounding of the forces makes them.
+
+    A path over a conveyor ended here without a proof.
+    """
+    (tmp_path / "rollers.toml").write_text(ROLLERS, encoding="utf-8")
+    pose = np.array([225.228055030587, 142.9326976828335, 0.0])
+    motion = SetMotion(contacts_under(smooth("roller"), load_scene(tmp_path / "rollers.toml")), pose)
+    found = motion.rate(pose) - motion.rate(pose)[2] * turning(pose)
+    slips = motion.model.rows[[0, 2]] @ found - motion.model.targets[[0, 2]]
+    assert np.abs(slips).max() <= 1e-9 * 250
+
+
+def test_a_path_that_cannot_be_followed_any_farther_ends_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With what was followed until then, and the reason; without a first step it is an error."""
+    scene = load_scene("carton-on-6x6").under("ellipse")
+    whole_path = smooth_path(ellipse(), scene, (0.15, 0.1, 0.08), 1.0)
+    own = SetMotion.rate
+
+    def rate(motion: SetMotion, pose: Floats) -> Floats:
+        if pose[0] < 0.1:
+            raise TrajectoryError("no proof")
+        return own(motion, pose)
+
+    monkeypatch.setattr(SetMotion, "rate", rate)
+    part = smooth_path(ellipse(), scene, (0.15, 0.1, 0.08), 1.0)
+    assert (part.end.reason, part.end.note) == (EndReason.UNPROVED, "no proof")
+    assert part.end.why == "what follows is not known: no proof"
+    assert part.end.record()["note"] == "no proof"
+    assert 0 < part.end.t < whole_path.end.t
+    assert part.end.state == pytest.approx(whole_path.at(part.end.t), abs=1e-8)
+    assert part.end.state[0] < part.at(0.0)[0]
+    with pytest.raises(TrajectoryError, match="no proof"):
+        smooth_path(ellipse(), scene, (0.09, 0.1, 0.08), 1.0)
 
 
 def test_a_start_over_the_line_through_two_wheels_is_refused() -> None:

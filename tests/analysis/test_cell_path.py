@@ -44,7 +44,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Traject
 from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, smooth_ends
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.body import Disc
+from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
@@ -73,6 +73,35 @@ def assert_near_small_steps(scene: Scene, depths: Depths, start: tuple[float, fl
     until, steps = float(path.end.t), STEPS[scene.contact.rule]
     found = small_steps(scene, depths, np.array(start), until, steps)
     assert np.abs(found - path.end.state).max() < STEPS_OFF * until / steps
+
+
+def test_sampled_bodies_rest_between_opposed_wheels(arrays: Arrays) -> None:
+    """By hand: the side that bears more sets the speed, so all come to the line between, and stay.
+
+    They were still on their way after all steps, as twists under rule ellipse were not thought to jump.
+    """
+    corners = ((-1, -1), (-1, 1), (1, -1), (1, 1))
+    wheels = [WheelData((x, y), (1 if x < 0 else -1, 0)) for x, y in corners]
+    scene = arrays.scene(wheels).under("ellipse")
+    starts = np.array([(x, y) for x in (-0.3, 0.1, 0.2) for y in (-0.2, 0.0, 0.3)])
+    found = smooth_ends(scene, starts)
+    assert (found.reached >= 0).all()
+    ends = found.places[found.reached]
+    assert ends == pytest.approx(starts * [0, 1], abs=0.01)
+
+
+@pytest.mark.parametrize("rule", ["nearest", "box"])
+def test_a_disc_over_a_wheel_is_followed_from_there(arrays: Arrays, rule: str) -> None:
+    """In the middle of a disc its depth has no slope: such starts had no continuation, for want of a number."""
+    wheels = [WheelData((0, 0), (0, -1)), *arrays.inward([(1, 0), (-1, 0), (0, 1), (0, -1)])]
+    scene = arrays.scene(wheels).under(rule)
+    zero, one = scene.field(0), scene.field(1)
+    scene = replace(scene, body=Body(Disc(scene.field(Fraction(6, 5))), (zero, zero), (one, zero)))
+    own = contact_rule(rule)
+    assert isinstance(own, CellRule)
+    path = CellPath(scene, own)
+    middle, beside = (path.follow((0.0, y, 0.3), 0.1).end.state for y in (0.0, 1e-7))
+    assert middle == pytest.approx(beside, abs=1e-6)
 
 
 @few(1)

@@ -329,10 +329,25 @@ def test_a_run_that_samples_end_before_its_time_says_so(monkeypatch: pytest.Monk
     assert loop.follow((0.02, 0.0, 0.0), 0.9 * cut.end.t).end.reason is EndReason.TIME
 
 
-@pytest.mark.parametrize("rule", keep(1, ["box", "ellipse"]))
-def test_a_body_that_a_late_law_drives_off_its_wheels_tips(rule: str, invoke: Invoke, tmp_path: Path) -> None:
+def test_a_late_law_is_followed_as_far_as_its_speeds_impose_their_twists(invoke: Invoke, tmp_path: Path) -> None:
+    """Beyond its reach under rule box the path was one of twists that the wheels do not make."""
+    file = write(tmp_path, "box", "delay = 12")
+    loop = DrivenLoop(load_scene(file).recentred(), decide_driven_feedback(load_scene(file).recentred()))
+    assert loop.reach is not None
+    path = invoke("simulate", file, "--feedback", "--json", "--from", "0.05,0,0.02", "--until", "900").record
+    assert path["end"]["reason"] == "what follows is not known"
+    assert path["end"]["note"] == "the body leaves the square in which the speeds impose their twists"
+    outside = np.abs(np.array(path["state"])[:, :2]).max(axis=1) >= loop.reach
+    assert outside.tolist() == [*[False] * (len(path["t"]) - 1), True]
+    beyond = 1.01 * loop.reach
+    refused = invoke("simulate", file, "--feedback", "--from", f"{beyond},0,0")
+    assert refused.status == 2
+    assert "leaves the square in which the speeds impose their twists" in refused.err
+
+
+def test_a_body_that_a_late_law_drives_off_its_wheels_tips(invoke: Invoke, tmp_path: Path) -> None:
     """It ends at the border of their hull, and none starts beyond."""
-    file = write(tmp_path, rule, "delay = 12")
+    file = write(tmp_path, "ellipse", "delay = 12")
     path = invoke("simulate", file, "--feedback", "--json", "--from", "0.05,0,0.02", "--until", "900").record
     assert "tips" in path["end"]["reason"]
     hull = ConvexHull(places_of(load_scene(file).wheels))

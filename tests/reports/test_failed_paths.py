@@ -18,9 +18,10 @@ from nonsmooth.analysis.bodies.sampled_tables import SampledTables, drawn_model,
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import stopped, without
 from nonsmooth.proofs.robust.decide import decided_statement
-from nonsmooth.reports.simulations.failed_paths import follow_failures
+from nonsmooth.reports.simulations.failed_paths import FailedPath, follow_failures
 from nonsmooth.reports.simulations.sampled_tables import SampledTablesResult, draw_tables
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
+from nonsmooth.reports.studies.result import show
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Pose
@@ -144,6 +145,29 @@ def test_a_path_that_is_broken_off_says_nothing_of_where_it_ends(tmp_path: Path)
     assert cut.lost(failed) == found.lost(failed) - (found.whole[0].home and not first.home)
     assert cut.paths[0].end is None
     assert cut.facts()["failures"][0]["not_known"] == 1
+
+
+@pytest.mark.parametrize("reason", [EndReason.STEPS, EndReason.EVENTS, EndReason.UNPROVED])
+def test_a_path_that_is_broken_off_is_shown_as_far_as_it_goes(
+    tmp_path: Path, reason: EndReason, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nothing is counted of it: the words said that none comes home, and which wheel moves the end farthest."""
+    (tmp_path / "table.toml").write_text(table(), encoding="utf-8")
+    found = follow_failures(load_scene(tmp_path / "table.toml"), SimulateOptions(start=START, until=0.2, fail="5"))
+
+    def cut(one: FailedPath) -> FailedPath:
+        assert one.path is not None
+        return replace(one, path=replace(one.path, end=replace(one.path.end, reason=reason)), near=False)
+
+    broken = replace(found, whole=tuple(map(cut, found.whole)), paths=tuple(map(cut, found.paths)))
+    show(broken, None, json=False)
+    said = " ".join(capsys.readouterr().out.split())
+    assert "all wheels: followed until t = 0.2, (0.0" in said
+    assert "wheel 5 lifted: followed until t = 0.2, (0.0" in said
+    assert str(reason) in said
+    assert "none of 1 comes home; of 1 that is not known" in said
+    assert "moves the end farthest" not in said
+    assert [path.end for path in (*broken.whole, *broken.paths)] == [None] * 3
 
 
 def test_what_no_longer_comes_home_is_counted(invoke: Invoke, tmp_path: Path) -> None:

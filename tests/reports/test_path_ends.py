@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.analysis.bodies import path as body_path_module
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds
 from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.bodies.mass_study import body_of, body_path
@@ -42,6 +43,19 @@ field = { kind = "radial", speed = 0.1 }
 
 def sentence(text: str) -> str:
     return " ".join(text.split())
+
+
+def test_a_path_that_is_broken_off_is_not_said_to_end(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is followed so far; what is said of it, how long it takes to settle and whether it is unique, is too."""
+    monkeypatch.setattr(body_path_module, "MOST_RATES", 30)
+    command = ("simulate", "four-wheel", "--rule", "ellipse", "--from", "0.2,0.4,0", "--until", "5")
+    said = " ".join(invoke(*command).out.split())
+    assert re.search(r"followed until t = [-e0-9.]+, 0\.\d+ from the point, heading [-e0-9.]+ deg, moving at", said)
+    assert "ends " not in said
+    assert "of its end" not in said
+    assert "unique so far: no other solution from this start until then" in said
+    ending = invoke(*command, "--json").record["ending"]
+    assert (ending["settles_after"], ending["swings"]) == (None, None)
 
 
 def test_a_body_of_rule_nearest_rests_where_the_engine_says(invoke: Invoke) -> None:
