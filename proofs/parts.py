@@ -93,7 +93,7 @@ def cascade(system: SwitchedSystem, *, jumping: bool = False) -> Iterator[Cascad
     """
     at = dict(zip(system.stated_states, map(str, system.stated_point), strict=True))
     drivers = drivers_of(system, jumping=jumping)
-    for driving in sorted({tuple(filter(own.__contains__, at)) for own in drivers.values()}, key=len):
+    for driving in sorted(dict.fromkeys(tuple(filter(drivers[name].__contains__, at)) for name in at), key=len):
         states = tuple(name for name in driving if drivers[name] == set(driving))
         others = {name: f"({value})" for name, value in at.items() if name not in states}
         own = [_under_jumps(tree) for name, tree in _trees(system) if name in states]

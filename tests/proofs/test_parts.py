@@ -19,7 +19,7 @@ from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.curved_regions import is_empty
 from nonsmooth.proofs.kernel_strategies import decide_by_symmetry
-from nonsmooth.proofs.parts import Parts
+from nonsmooth.proofs.parts import Parts, cascade
 from nonsmooth.proofs.system_certificates import by_parts, certificate_of
 from nonsmooth.proofs.system_decision import (
     StabilityResult,
@@ -103,6 +103,13 @@ def system(rhs: list[str], at: list[int] | None = None) -> SwitchedSystem:
 @pytest.mark.parametrize("name", but(["a spring of second degree, pushed", "a relay is added up"], CASCADES))
 def test_states_that_drive_others(name: str) -> None:
     require_shown(decide_by_cascade, CASCADES[name], Method.CASCADE)
+
+
+@pytest.mark.parametrize("names", ["xy", "pq", "ba", "zu", "vw", "kl", "st", "qa"])
+def test_blocks_of_one_size_stand_in_the_order_of_the_states(names: str) -> None:
+    """A set of texts has another order in another process, and so had reasons and certificates."""
+    blocks = cascade(ns.System(list(names), [f"-{name}" for name in names]).system)
+    assert [block.system.stated_states for block in blocks] == [(name,) for name in names]
 
 
 @few(3)
