@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 UNDECIDED = "undecided"
 WHY_BELOW = "; why: below"  # at the end of an answer beside which the clauses stand
+CLAUSE_BEHIND = {"position": "translation", "heading": "rotation", "pose": "feedback"}  # whose reason that is
 
 
 class Position(StrEnum):

@@ -14,6 +14,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table as TerminalTable
 from rich.text import Text
 
+from nonsmooth.proofs.answers.answer import CLAUSE_BEHIND, WHY_BELOW
 from nonsmooth.proofs.findings import Theorem4
 from nonsmooth.reports.output.facts import fact_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
@@ -22,6 +23,7 @@ from nonsmooth.symbolic.numbers.number_text import exact_place, short_text
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.proofs.answers.answer import Answer
     from nonsmooth.proofs.theorem4 import Check
     from nonsmooth.reports.output.document import Block
     from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -59,8 +61,11 @@ _LEGEND = (
 )
 
 
-def clauses_view(result: Check) -> RenderableType:
-    """One line for each clause of Theorem 4, why the theorem does not hold where it does not, and where bodies tip."""
+def clauses_view(result: Check, answers: Sequence[Answer]) -> RenderableType:
+    """One line for each clause of Theorem 4, why the theorem does not hold where it does not, and where bodies tip.
+
+    Also why an answer is open that says that this stands below.
+    """
     lines = TerminalTable.grid(padding=(0, 2))
     tips: list[Text] = []
     for clause, found in result.clauses:
@@ -68,6 +73,12 @@ def clauses_view(result: Check) -> RenderableType:
         supports = (fact for fact in result.facts(clause) if fact.key == "support")
         tips += [Text(f"note: {line}", "yellow") for line in fact_lines(supports)]
     why = [] if result.verdict is Theorem4.HOLDS else [Text(f"because {result.reason}")]
+    behind = {CLAUSE_BEHIND[answer.name] for answer in answers if WHY_BELOW in answer.sentence}
+    why += [
+        Text(f"{clause.name}, {found.verdict}: {found.reason}")
+        for clause, found in result.clauses
+        if clause.name in behind and found.reason not in result.reason
+    ]
     return Group(lines, *why, *tips)
 
 
