@@ -160,8 +160,10 @@ def test_what_no_longer_comes_home_is_counted(invoke: Invoke, tmp_path: Path) ->
     assert "4 of 4 starts come home with all wheels" in out
     assert "the worst: wheel" in out
     nowhere = invoke("simulate", "four-wheel", "--from", "0.2,0.4,0", "--until", "0.01", "--fail", "1").out
-    assert "with all wheels none of 1 comes home; wheel 1 " in nowhere
+    assert "with all wheels the body does not come home; wheel 1 stopped moves the end" in nowhere
     assert "the worst" not in nowhere
+    one = " ".join(invoke("simulate", "four-wheel", "--from", "0.2,0.4,0", "--fail", "1").out.split())
+    assert "the worst: wheel 1 lifted: the body no longer comes home; wheel 1 stopped moves an end farthest" in one
     with (tmp_path / "failed.csv").open(encoding="utf-8", newline="") as file:
         assert len(list(csv.DictReader(file))) == 4 * 9
     assert invoke(*command, "-o", "failed.svg").status == 0
