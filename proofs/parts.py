@@ -128,9 +128,20 @@ def _trees(system: SwitchedSystem) -> Iterator[tuple[str, ast.expr]]:
 
 def _plain_sides(system: SwitchedSystem) -> Iterator[list[tuple[str, str]]]:
     """Each right-hand side by states, without brackets that say nothing."""
-    written = [(name, ast.unparse(tree).replace(" ** ", "**")) for name, tree in _trees(system)]
+    written = [(name, ast.unparse(_without_zeros(tree))) for name, tree in _trees(system)]
+    written = [(name, text.replace(" ** ", "**").replace(" * ", "*")) for name, text in written]
     count = len(system.states)
     yield from (written[k : k + count] for k in range(0, len(written), count))
+
+
+def _without_zeros(tree: ast.expr) -> ast.expr:
+    """A sum without the zeros that stand for states at the point."""
+    match tree:
+        case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=ast.Constant(value=0)):
+            return _without_zeros(left)
+        case ast.BinOp(left=left, op=op, right=right) if isinstance(op, ast.Add | ast.Sub):
+            return ast.BinOp(_without_zeros(left), op, right)
+    return tree
 
 
 def _under_jumps(tree: ast.AST) -> set[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -427,7 +428,7 @@ class TippedResult(ArrayAnswers):
 
     def views(self) -> Sequence[RenderableType]:
         """The answers."""
-        drawn = Text("nonsmooth partition SCENE --show array -o FILE.png draws it")
+        drawn = Text(f"nonsmooth partition {shlex.quote(self.scene.origin)} --show array -o array.png draws it")
         return [tipped_view(self.scene, [*self._answers.values()]), drawn, *notes_lines(self.scene.field)]
 
 

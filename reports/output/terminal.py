@@ -111,7 +111,10 @@ def partition_blocks(partition: Partition) -> Sequence[Block]:
         "R1 and S1 are the roll and side row of wheel 1; (v_x, v_y) is the body's velocity at the world origin",
         *(f"note: {note}" for note in later_notes(partition.scene.field)),
     )
-    cells = table(("cell", "rows held", "v_x", "v_y", "omega", "area"), rows)
+    units = partition.scene.units
+    shown = {"v_x": units.speed, "v_y": units.speed, "omega": "rad/s", "area": f"{units.length}^2"}
+    heads = [f"{name} ({unit})" if units.length else name for name, unit in shown.items()]
+    cells = table(("cell", "rows held", *heads), rows)
     return [*sentences(f"{head}, rule {partition.rule}"), cells, *sentences(*notes)]
 
 

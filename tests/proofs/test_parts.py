@@ -19,7 +19,7 @@ from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.curved_regions import is_empty
 from nonsmooth.proofs.kernel_strategies import decide_by_symmetry
-from nonsmooth.proofs.parts import Parts, cascade
+from nonsmooth.proofs.parts import Parts, cascade, slides
 from nonsmooth.proofs.system_certificates import by_parts, certificate_of
 from nonsmooth.proofs.system_decision import (
     StabilityResult,
@@ -110,6 +110,13 @@ def test_blocks_of_one_size_stand_in_the_order_of_the_states(names: str) -> None
     """A set of texts has another order in another process, and so had reasons and certificates."""
     blocks = cascade(ns.System(list(names), [f"-{name}" for name in names]).system)
     assert [block.system.stated_states for block in blocks] == [(name,) for name in names]
+
+
+def test_motion_along_a_surface_is_told_without_the_zeros_of_the_state_that_it_gives() -> None:
+    """They stood there as ``y' = -y**3 + 0``."""
+    rhs = ["-sign(x)", "-y**3 + x", "x - z**5 + y*z - x"]
+    (surface,) = slides(ns.System(list("xyz"), rhs).system)
+    assert surface.words == "x = 0 and slide there, where y' = -y**3, z' = 0 - z**5 + y*z"
 
 
 @few(3)
