@@ -11,7 +11,6 @@ from collections.abc import Collection, Iterator
 
 from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import (
-    CLAUSE_BEHIND,
     DIGITS,
     UNDECIDED,
     WHY_BELOW,
@@ -20,6 +19,7 @@ from nonsmooth.proofs.answers.answer import (
     Position,
     at_least,
     at_most,
+    reason_below,
 )
 from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
@@ -362,16 +362,15 @@ def _open(subject: ArraySubject) -> Section:
     """What nobody may rely on."""
     open_answers = filter(_is_open, subject.answers.rows)
     result = subject.result
-    reasons = {clause.name: found.reason for clause, found in result.clauses}
+    reasons: set[str] = set()
     items: list[Text] = []
     for answer in open_answers:
-        said = answer.sentence
-        if WHY_BELOW in said:
-            said = said.replace(WHY_BELOW, f": {reasons.pop(CLAUSE_BEHIND[answer.name])}")
-        items.append((f"{answer.name}: ", *with_formulas(said), "."))
+        reason = reason_below(answer, result.results)
+        reasons.add(reason)
+        items.append((f"{answer.name}: ", *with_formulas(answer.sentence.replace(WHY_BELOW, f": {reason}")), "."))
     if result.verdict is not Theorem4.HYPOTHESES_NOT_MET:  # else its clauses are about something else
         for clause, found in result.clauses:
-            if str(found.verdict) == UNDECIDED and clause.name in reasons:
+            if str(found.verdict) == UNDECIDED and found.reason not in reasons:
                 items.append((f"Clause {clause.name}: ", *with_formulas(found.reason), "."))
     loop = subject.answers.answers[2].numbers.get("loop")
     if loop is not None and loop["verdict"] == UNDECIDED:

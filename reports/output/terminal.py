@@ -14,7 +14,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table as TerminalTable
 from rich.text import Text
 
-from nonsmooth.proofs.answers.answer import CLAUSE_BEHIND, WHY_BELOW
+from nonsmooth.proofs.answers.answer import reason_below
 from nonsmooth.proofs.findings import Theorem4
 from nonsmooth.reports.output.facts import fact_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
@@ -73,12 +73,10 @@ def clauses_view(result: Check, answers: Sequence[Answer]) -> RenderableType:
         supports = (fact for fact in result.facts(clause) if fact.key == "support")
         tips += [Text(f"note: {line}", "yellow") for line in fact_lines(supports)]
     why = [] if result.verdict is Theorem4.HOLDS else [Text(f"because {result.reason}")]
-    behind = {CLAUSE_BEHIND[answer.name] for answer in answers if WHY_BELOW in answer.sentence}
-    why += [
-        Text(f"{clause.name}, {found.verdict}: {found.reason}")
-        for clause, found in result.clauses
-        if clause.name in behind and found.reason not in result.reason
-    ]
+    for answer in answers:
+        reason = reason_below(answer, result.results)
+        if reason and reason not in result.reason:
+            why.append(Text(f"{answer.name}, {answer.verdict}: {reason}"))
     return Group(lines, *why, *tips)
 
 
