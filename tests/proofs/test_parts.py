@@ -177,11 +177,6 @@ def sliding() -> StabilityResult:
 
 
 @pytest.mark.usefixtures("without_reach")
-def test_the_field_on_the_surface_is_said() -> None:
-    assert "x**3 + y + z = 0 and slide there, where x' = y, y' = -x**3 - y" in sliding().reason
-
-
-@pytest.mark.usefixtures("without_reach")
 def test_what_parts_ask_is_exported() -> None:
     certificate = certificate_of(sliding())
     names = [own.name for own in obligations_of(certificate, "relay")]
