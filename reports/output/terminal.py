@@ -14,7 +14,6 @@ from rich.console import Group, RenderableType
 from rich.table import Table as TerminalTable
 from rich.text import Text
 
-from nonsmooth.proofs.answers.answer import reason_below
 from nonsmooth.proofs.findings import Theorem4
 from nonsmooth.reports.output.facts import fact_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
@@ -66,6 +65,8 @@ def clauses_view(result: Check, answers: Sequence[Answer]) -> RenderableType:
 
     Also why an answer is open that says that this stands below.
     """
+    from nonsmooth.proofs.answers.answer import reason_below  # of arrays alone
+
     lines = TerminalTable.grid(padding=(0, 2))
     tips: list[Text] = []
     for clause, found in result.clauses:
