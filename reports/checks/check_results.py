@@ -498,8 +498,11 @@ def check_views(results: Sequence[CheckResult]) -> Sequence[RenderableType]:
     for result in results:
         answered = result.answers  # before the verdicts, which may contradict them
         check = result.evidence
-        why_below = check_view(check) if evidence else clauses_view(check, answered.answers)
-        views += [Group(headline(check), answers_view(check, answered)), why_below]
+        answers = [headline(check), answers_view(check, answered)]
+        if evidence:
+            views += [Group(*answers), check_view(check)]
+        else:
+            views.append(Group(*answers, clauses_view(check, answered.answers)))
         if result.region is not None:
             verdict, why = region_words(result)
             views.append(answers_table([("region", verdict, why)]))
