@@ -93,7 +93,7 @@ def cascade(system: SwitchedSystem, *, jumping: bool = False) -> Iterator[Cascad
     """
     at = dict(zip(system.stated_states, map(str, system.stated_point), strict=True))
     drivers = drivers_of(system, jumping=jumping)
-    for driving in sorted({tuple(filter(own.__contains__, at)) for own in drivers.values()}, key=len):
+    for driving in sorted(dict.fromkeys(tuple(filter(drivers[name].__contains__, at)) for name in at), key=len):
         states = tuple(name for name in driving if drivers[name] == set(driving))
         others = {name: f"({value})" for name, value in at.items() if name not in states}
         own = [_under_jumps(tree) for name, tree in _trees(system) if name in states]
@@ -128,9 +128,20 @@ def _trees(system: SwitchedSystem) -> Iterator[tuple[str, ast.expr]]:
 
 def _plain_sides(system: SwitchedSystem) -> Iterator[list[tuple[str, str]]]:
     """Each right-hand side by states, without brackets that say nothing."""
-    written = [(name, ast.unparse(tree).replace(" ** ", "**")) for name, tree in _trees(system)]
+    written = [(name, ast.unparse(_without_zeros(tree))) for name, tree in _trees(system)]
+    written = [(name, text.replace(" ** ", "**").replace(" * ", "*")) for name, text in written]
     count = len(system.states)
     yield from (written[k : k + count] for k in range(0, len(written), count))
+
+
+def _without_zeros(tree: ast.expr) -> ast.expr:
+    """A sum without the zeros that stand for states at the point."""
+    match tree:
+        case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=ast.Constant(value=0)):
+            return _without_zeros(left)
+        case ast.BinOp(left=left, op=op, right=right) if isinstance(op, ast.Add | ast.Sub):
+            return ast.BinOp(_without_zeros(left), op, right)
+    return tree
 
 
 def _under_jumps(tree: ast.AST) -> set[str]:

@@ -96,7 +96,7 @@ def why_not_sampled(scene: Scene) -> str:
     if has_cells(scene):
         return f"rule {scene.contact.rule}"
     if scene.tolerances.centre_of_mass:
-        return "the centre of mass is not drawn"
+        return "one of the centre of mass, which is not drawn"
     return ""
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from flint import arb
 
@@ -29,6 +29,7 @@ from nonsmooth.symbolic.numbers.number_text import lower_text, numbers_text, upp
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
     from nonsmooth.proofs.theorem4 import Theorem4Result
 
 UNDECIDED = "undecided"
@@ -134,6 +135,15 @@ class Answer:
 
 Results: TypeAlias = Mapping[str, ClauseResult]
 Question: TypeAlias = Callable[[Scene, Results], Answer]
+
+
+def reason_below(answer: Answer, results: Results) -> str:
+    """What an answer refers to that says that its reason stands below; empty for another one."""
+    if WHY_BELOW not in answer.sentence:
+        return ""
+    if answer.name == "pose":
+        return cast("AnyFeedback", results["feedback"]).holding.reason
+    return results["translation" if answer.name == "position" else "rotation"].reason
 
 
 def is_by_rounding(results: Results, *names: str) -> bool:

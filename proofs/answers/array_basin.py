@@ -207,7 +207,7 @@ class ArrayBasin:
         certified, coming = self.triangles.sampled
         unit = f" {length}" if length else ""
         ends = "comes home" if self.within is None else f"ends within {float_text(self.within)}{unit} of the point"
-        size = f"{float_text(self.area)}{unit}{2 if unit else ''}"
+        size = f"{float_text(self.area)}{unit}{'^2' if unit else ''}"
         region = f"from anywhere in a region of area {size} a body {ends} ({len(self.triangles.simplices)} triangles)"
         square = f"the square of half-width {float_text(self.half)}{unit}, the largest on the wheels"
         share = f"{percent_text(self.triangles.share)} of those that do ({certified} of {coming})"

@@ -245,11 +245,11 @@ def _entries(found: EquilibriumHeadings) -> Iterator[HeadingOfRest]:
     yield from (_of_sample(sample) for sample in found.sampled)
 
 
-def _rank(entry: HeadingOfRest) -> tuple[bool, bool, bool, bool, float]:
+def _rank(entry: HeadingOfRest) -> tuple[bool, bool, bool, bool, float, tuple[int, ...]]:
     start = entry.heading if entry.low is None else entry.low
     where = 0.0 if start is None else float(start)
     turns, single = entry.kind is HeadingKind.TURNING, entry.kind is HeadingKind.ISOLATED
-    return not entry.attracts, turns, not entry.proved, not single, where
+    return not entry.attracts, turns, not entry.proved, not single, where, entry.wheels
 
 
 def _of_interval(interval: RestInterval) -> HeadingOfRest:

@@ -61,9 +61,6 @@ class Interval:
     low: Any
     high: Any
 
-    def __str__(self) -> str:
-        return f"{{{self.low}}}" if not self.high - self.low else f"[{self.low}, {self.high}]"
-
 
 class Ladder(NamedTuple):
     """The three derivatives at a point; None is the empty set, whose maximum counts as minus infinity."""

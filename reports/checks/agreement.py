@@ -58,7 +58,7 @@ class ComparisonResult(Result):
 
     def table(self) -> DataTable:
         """One line for each pair of rules: what is compared, and what was found."""
-        what, lines = "same motion on a share of the area", []
+        what, lines = "share of the area with the same motion", []
         for pair, shared in self.agreement.shared.items():
             lines.append((" and ".join(pair), what, short_text(shared.share)))
         for pair, difference in self.agreement.differences.items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -427,7 +428,7 @@ class TippedResult(ArrayAnswers):
 
     def views(self) -> Sequence[RenderableType]:
         """The answers."""
-        drawn = Text("nonsmooth partition SCENE --show array -o FILE.png draws it")
+        drawn = Text(f"nonsmooth partition {shlex.quote(self.scene.origin)} --show array -o array.png draws it")
         return [tipped_view(self.scene, [*self._answers.values()]), drawn, *notes_lines(self.scene.field)]
 
 
@@ -498,7 +499,10 @@ def check_views(results: Sequence[CheckResult]) -> Sequence[RenderableType]:
         answered = result.answers  # before the verdicts, which may contradict them
         check = result.evidence
         answers = [headline(check), answers_view(check, answered)]
-        views += [Group(*answers), check_view(check)] if evidence else [Group(*answers, clauses_view(check))]
+        if evidence:
+            views += [Group(*answers), check_view(check)]
+        else:
+            views.append(Group(*answers, clauses_view(check, answered.answers)))
         if result.region is not None:
             verdict, why = region_words(result)
             views.append(answers_table([("region", verdict, why)]))

@@ -6,7 +6,6 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rich.console import Group, RenderableType
@@ -137,7 +136,10 @@ def rows_table(
 ) -> TerminalTable:
     """Rows with equal headings beneath a line with their heading, which stands in the second and widest column."""
     shown = header_table(*header, widest=header[1])
-    for name, group in groupby(rows, heading):
+    groups: dict[str, list[ResultRow]] = {}
+    for row in rows:
+        groups.setdefault(heading(row), []).append(row)
+    for name, group in groups.items():
         if shown.row_count:
             shown.add_section()
         shown.add_row(Text(), Text(name, "bold"))
@@ -170,7 +172,9 @@ class Precision(MeasurementResult):
     @property
     def head(self) -> str:
         """What was measured, and how."""
-        return f"{one_line(self.run.scene.name)}: error against run time, best of {self.run.limits.runs} runs"
+        runs = self.run.limits.runs
+        best = f"best of {runs} {'run' if runs == 1 else 'runs'}"
+        return f"{one_line(self.run.scene.name)}: error against run time, {best}"
 
     def facts(self) -> Record:
         """JSON with stable keys."""
@@ -189,7 +193,8 @@ class Precision(MeasurementResult):
 
     def summary(self) -> str:
         """How many rows of how many studies."""
-        return f"{len(self.run.rows)} rows of {len(self.run.measured)} studies"
+        studies = len(self.run.measured)
+        return f"{len(self.run.rows)} rows of {studies} {'study' if studies == 1 else 'studies'}"
 
     def views(self) -> Sequence[RenderableType]:
         """One table for each study, with the slopes of its methods."""

@@ -10,7 +10,17 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from nonsmooth.analysis.cells.contact_rule import rule_of
-from nonsmooth.proofs.answers.answer import DIGITS, UNDECIDED, Answer, Pose, at_least, at_most
+from nonsmooth.proofs.answers.answer import (
+    DIGITS,
+    UNDECIDED,
+    WHY_BELOW,
+    Answer,
+    Pose,
+    Position,
+    at_least,
+    at_most,
+    reason_below,
+)
 from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.findings import Theorem4
@@ -257,6 +267,13 @@ def _answers(subject: ArraySubject) -> Section:
     return Section("Answers", (intro, answers_table(stated.answers), notes, array_figure(subject)))
 
 
+NEITHER = "where and when is not proved"
+WITHOUT_TIMES: dict[object, str] = {
+    Position.COMES_HOME: "at the point, from {} (proved); when is not proved",
+    Position.LEAVES: "bodies go away from the point (proved); where they end is not",
+}
+
+
 def _ends(subject: ArraySubject) -> Section:
     """Where and when bodies end: what is proved of it, what is simulated, and where sampled starts go."""
     answers, scene, unit = subject.answers, subject.scene, subject.scene.units.after_length
@@ -276,7 +293,8 @@ def _ends(subject: ArraySubject) -> Section:
             f"Without inertia: at the point, after at most {per}{second} for each 1{unit} of distance (proved)."
         )
     else:
-        items.append("Without inertia: where and when is not proved.")
+        whence = "close by" if found.get("within") is None else start
+        items.append(f"Without inertia: {WITHOUT_TIMES.get(answers.answers[0].verdict, NEITHER).format(whence)}.")
     settles = None if answers.inertia is None else answers.inertia.numbers.get("settles_after")
     if settles is not None:
         accuracy, after = (float_text(float(number), DIGITS) for number in (scene.accuracy, settles))
@@ -343,12 +361,20 @@ def _law(subject: ArraySubject) -> Section:
 def _open(subject: ArraySubject) -> Section:
     """What nobody may rely on."""
     open_answers = filter(_is_open, subject.answers.rows)
-    items: list[Text] = [(f"{answer.name}: ", *with_formulas(answer.sentence), ".") for answer in open_answers]
     result = subject.result
+    reasons: set[str] = set()
+    items: list[Text] = []
+    for answer in open_answers:
+        reason = reason_below(answer, result.results)
+        reasons.add(reason)
+        items.append((f"{answer.name}: ", *with_formulas(answer.sentence.replace(WHY_BELOW, f": {reason}")), "."))
     if result.verdict is not Theorem4.HYPOTHESES_NOT_MET:  # else its clauses are about something else
         for clause, found in result.clauses:
-            if str(found.verdict) == UNDECIDED:
+            if str(found.verdict) == UNDECIDED and found.reason not in reasons:
                 items.append((f"Clause {clause.name}: ", *with_formulas(found.reason), "."))
+    loop = subject.answers.answers[2].numbers.get("loop")
+    if loop is not None and loop["verdict"] == UNDECIDED:
+        items.append((f"pose that is late and wrong as [feedback] says: {loop['reason']}.",))
     for other in subject.answers.others:
         asked = [answer.name for answer in other.answers if _is_open(answer)]
         if asked or not other.answers:

@@ -332,6 +332,16 @@ class DesignResult(Result, Generic[Held]):
         pair = (self.design.base, self.design.best) if self.wish.maximize == "rate" else ()
         return [rate_unit(found.answers[0]) for found in pair]
 
+    def _measured(self, found: Evaluation) -> str:
+        """What was maximized, of one array, in the units of the scene where it states some."""
+        from nonsmooth.reports.designs.search import rate_unit
+
+        text, units, objective = _text(found.value), self.design.scene.units, self.wish.maximize
+        if found.value is None or not units.length or objective not in {"rate", "basin", "settling"}:
+            return text
+        arrives = objective == "rate" and rate_unit(found.answers[0]) != "1/time"
+        return f"{text} {units.length if objective == 'basin' else units.speed if arrives else '1/s'}"
+
     @property
     def is_another(self) -> bool:
         """Whether another array than the given one is shown: a better one, or the nearest to what is required."""
@@ -428,7 +438,7 @@ class DesignResult(Result, Generic[Held]):
             (answers[0].name, *map(_in_words, answers))
             for answers in zip(*(found.answers for found in arrays.values()), strict=False)
         ]
-        rows.append((WHAT[self.wish.maximize], *(_text(found.value) for found in arrays.values())))
+        rows.append((WHAT[self.wish.maximize], *(self._measured(found) for found in arrays.values())))
         said = [self.summary()]
         if self.is_another and design.base.answers and design.best.answers:
             said.append(self._without_feedback())

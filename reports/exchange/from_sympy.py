@@ -67,7 +67,8 @@ def formulas_of_sympy(states: Sequence[Any], rhs: Any, parameters: Sequence[Any]
     names = {symbol: _name(symbol) for symbol in (*states, *parameters)}
     walker = SympyFormulas(names, reading)
     sides = list(rhs)
-    if isinstance(rhs, MatrixBase) or not any(isinstance(side, Sequence | MatrixBase) for side in sides):
+    lists = [side for side in sides if isinstance(side, Sequence | MatrixBase) and not isinstance(side, str)]
+    if isinstance(rhs, MatrixBase) or not lists:
         return walker.read(sides)
     walker.written = [walker.read(list(side), f"rhs[{j}]").written for j, side in enumerate(sides, 1)]
     return walker

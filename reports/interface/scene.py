@@ -140,11 +140,13 @@ class PythonScene(ABC):
         result: AuditedFunction = AUDIT.of(self.exact, lyapunov=lyapunov)
         return result
 
-    def precision(self, study: Sequence[str] | None = None, *, runs: int = 3, time_limit: float = 5.0) -> Precision:
+    def precision(
+        self, study: str | Sequence[str] | None = None, *, runs: int = 3, time_limit: float = 5.0
+    ) -> Precision:
         """Error against run time: every method against an exact or 60-digit answer.
 
         Args:
-            study: names of studies; all unless given.
+            study: the name of a study, or several; all unless given.
             runs: of which the shortest counts.
             time_limit: seconds for one method at one setting.
 
@@ -154,7 +156,7 @@ class PythonScene(ABC):
         """
         from nonsmooth.reports.checks.precision import PRECISION
 
-        named = None if study is None else list(study)
+        named = None if study is None else [study] if isinstance(study, str) else list(study)
         result: Precision = PRECISION.of(self.exact, study=named, runs=runs, time_limit=time_limit)
         return result
 

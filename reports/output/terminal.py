@@ -22,6 +22,7 @@ from nonsmooth.symbolic.numbers.number_text import exact_place, short_text
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.proofs.answers.answer import Answer
     from nonsmooth.proofs.theorem4 import Check
     from nonsmooth.reports.output.document import Block
     from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -59,8 +60,13 @@ _LEGEND = (
 )
 
 
-def clauses_view(result: Check) -> RenderableType:
-    """One line for each clause of Theorem 4, why the theorem does not hold where it does not, and where bodies tip."""
+def clauses_view(result: Check, answers: Sequence[Answer]) -> RenderableType:
+    """One line for each clause of Theorem 4, why the theorem does not hold where it does not, and where bodies tip.
+
+    Also why an answer is open that says that this stands below.
+    """
+    from nonsmooth.proofs.answers.answer import reason_below  # of arrays alone
+
     lines = TerminalTable.grid(padding=(0, 2))
     tips: list[Text] = []
     for clause, found in result.clauses:
@@ -68,6 +74,10 @@ def clauses_view(result: Check) -> RenderableType:
         supports = (fact for fact in result.facts(clause) if fact.key == "support")
         tips += [Text(f"note: {line}", "yellow") for line in fact_lines(supports)]
     why = [] if result.verdict is Theorem4.HOLDS else [Text(f"because {result.reason}")]
+    for answer in answers:
+        reason = reason_below(answer, result.results)
+        if reason and reason not in result.reason:
+            why.append(Text(f"{answer.name}, {answer.verdict}: {reason}"))
     return Group(lines, *why, *tips)
 
 
@@ -100,7 +110,10 @@ def partition_blocks(partition: Partition) -> Sequence[Block]:
         "R1 and S1 are the roll and side row of wheel 1; (v_x, v_y) is the body's velocity at the world origin",
         *(f"note: {note}" for note in later_notes(partition.scene.field)),
     )
-    cells = table(("cell", "rows held", "v_x", "v_y", "omega", "area"), rows)
+    units = partition.scene.units
+    shown = {"v_x": units.speed, "v_y": units.speed, "omega": "rad/s", "area": f"{units.length}^2"}
+    heads = [f"{name} ({unit})" if units.length else name for name, unit in shown.items()]
+    cells = table(("cell", "rows held", *heads), rows)
     return [*sentences(f"{head}, rule {partition.rule}"), cells, *sentences(*notes)]
 
 

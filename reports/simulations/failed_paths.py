@@ -64,7 +64,10 @@ COLORS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C8")  # of the worst failur
 COLUMNS = 4  # of the legend
 OTHERS, OTHER_COLOR = "other failures", "0.45"
 BRANCHES = "not unique"
-RANKED = "by starts that no longer come home, then by how far an end moves; check --fail 1 ranks by what is proved"
+RANKED = (
+    "by starts that no longer come home, then by those that tip, then by how far an end moves; "
+    "check --fail 1 ranks by what is proved"
+)
 WORDS: dict[StrEnum, str] = {  # each failure is one line
     EndMotion.AT_REST: "rests",
     EndMotion.CREEPS: "creeps",
@@ -200,6 +203,10 @@ class FailedPathsResult(Result):
         """Of how many starts it is not known where the body ends."""
         return sum(after.is_open for _, after in self.pairs(failed))
 
+    def tipped(self, failed: Failed) -> int:
+        """From how many starts the body tips."""
+        return sum(after.does_tip for _, after in self.pairs(failed))
+
     def farthest(self, failed: Failed) -> float | None:
         """How far the end moves at most; None where it is known from no start."""
         return max((move[0] for move in (moved(*pair) for pair in self.pairs(failed)) if move), default=None)
@@ -216,7 +223,7 @@ class FailedPathsResult(Result):
                 "moved": self.farthest(failed),
                 "no_longer_home": self.lost(failed),
                 "not_known": self.unknown(failed),
-                "tips": sum(after.does_tip for _, after in self.pairs(failed)),
+                "tips": self.tipped(failed),
             }
             for failed in self.failures
         ]
@@ -252,8 +259,7 @@ class FailedPathsResult(Result):
         )
         lines = []
         for failed in self.failures:
-            after = [path for _, path in self.pairs(failed)]
-            counts = (self.lost(failed), sum(p.does_tip for p in after), self.unknown(failed))
+            counts = (self.lost(failed), self.tipped(failed), self.unknown(failed))
             lines.append([str(failed), _text(self.farthest(failed)), *map(str, counts)])
         home = f"{self.came} of {len(self.whole)} starts come home with all wheels"
         if any(path.is_open for path in self.whole):
@@ -295,26 +301,36 @@ class FailedPathsResult(Result):
         return WORDS.get(reason, str(reason))
 
     def _worst_first(self) -> list[Failed]:
-        """The failures by how many bodies no longer come home; of equal ones by how far the end moves."""
-        return sorted(self.failures, key=lambda failed: (-self.lost(failed), -(self.farthest(failed) or 0.0)))
+        """The failures by how many bodies no longer come home, then by how many tip, then by how far ends move."""
+
+        def rank(failed: Failed) -> tuple[int, int, float]:
+            return self.lost(failed), self.tipped(failed), self.farthest(failed) or 0.0
+
+        return sorted(self.failures, key=rank, reverse=True)
 
     def _worst(self) -> list[Block]:
-        """The failure with which the fewest bodies come home; of equal ones that which moves the end farthest."""
+        """The first of :meth:`_worst_first`, and what moves an end farthest where that is another one."""
         if not self.failures:
             return []
-        worst = self._worst_first()[0]
+        is_one = len(self.whole) == 1
+        farthest = max(self.failures, key=lambda failed: self.farthest(failed) or 0.0)
         if not self.came:  # which is the worst for bodies that end elsewhere anyhow is no question
             doubtful = sum(path.is_open for path in self.whole)
-            known = f"; of {doubtful} that is not known" if doubtful else ""
-            moves = "" if self.farthest(worst) is None else f"; {worst} moves the end farthest"
-            return sentences(f"with all wheels none of {len(self.whole)} comes home{known}{moves}")
+            none = f"none of {len(self.whole)} comes home{f'; of {doubtful} that is not known' if doubtful else ''}"
+            if is_one:
+                none = "it is not known whether the body comes home" if doubtful else "the body does not come home"
+            moves = "" if self.farthest(farthest) is None else f"; {farthest} moves the end farthest"
+            return sentences(f"with all wheels {none}{moves}")
+        worst = self._worst_first()[0]
         lost = self.lost(worst)
         left = sum(map(self.unknown, self.failures))
-        every = "all that came home and are known" if left else "all that came home"
-        said = f"{lost} of {self.came} no longer come home" if lost else f"{every} still do"
+        if is_one:
+            said = "the body no longer comes home" if lost else "the body still comes home"
+        else:
+            every = "all that came home and are known" if left else "all that came home"
+            said = f"{lost} of {self.came} no longer come home" if lost else f"{every} still do"
         unknown = f"of {left} of {len(self.paths)} paths it is not known where bodies end"
         open_ones = sentences(f"{unknown}: not followed so far, or other solutions branch off")
-        farthest = max(self.failures, key=lambda failed: self.farthest(failed) or 0.0)
         if farthest != worst:
             unit = self.scene.units.after_length
             said += f"; {farthest} moves an end farthest, by {_text(self.farthest(farthest))}{unit}"

@@ -307,9 +307,11 @@ def _require_ellipses(scene: Scene) -> None:
     Raises:
         SceneError: naming the rule or the loads.
     """
-    if ROLLERS in map(scene.rule_of_wheel, scene.wheels):
-        expected = f"a rule of wheels without rollers to export it (the friction of the engine is rule {RULE})"
-        raise SceneError(scene.origin, "contact.rule", expected, StatedFact(f'"{ROLLERS}"'))
+    for wheel in scene.wheels:
+        if scene.rule_of_wheel(wheel) == ROLLERS:
+            key = "contact.rule" if scene.contact.rule == ROLLERS else f"wheel[{wheel.index:d}].contact"
+            expected = f"a rule of wheels without rollers to export it (the friction of the engine is rule {RULE})"
+            raise SceneError(scene.origin, key, expected, StatedFact(f'"{ROLLERS}"'))
     _require_springs(scene)
 
 

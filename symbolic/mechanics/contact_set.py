@@ -208,7 +208,7 @@ def require_springs(scene: Scene) -> None:
     loads = scene.contact.loads
     if loads is not None and not (isinstance(loads, LoadModel) and loads.lifts_off):
         expected = "elastic loads on the way of a body with an outline"
-        received = "a table" if isinstance(loads, LoadTable) else loads.words
+        received = "a table" if type(loads) is LoadTable else loads.words
         raise SceneError(scene.origin, "contact.loads", expected, StatedFact(received))
 
 

@@ -186,6 +186,11 @@ class MeasuredTable(LoadTable):
 
     measured: tuple[Number, ...] = ()
 
+    @property
+    def words(self) -> str:
+        """As scene files name it."""
+        return "measured loads"
+
     def on(self, places: Sequence[int]) -> LoadModel | None:
         """What some of the springs carry without the others."""
         return super().on(places) or RaisedSprings(tuple(self.measured[k] for k in places))

@@ -58,6 +58,15 @@ def examined(scene: SwitchedSystem, lyapunov: str) -> LyapunovResult:
 
 # ---- golden values -----------------------------------------------------------------------------
 
+
+def shown(interval: Interval | None) -> str | None:
+    """``[0, 1]``, or ``{0}`` of one number; None for the empty set."""
+    if interval is None:
+        return None
+    low, high = interval.low, interval.high
+    return f"[{low}, {high}]" if high - low else f"{{{low}}}"
+
+
 MAXIMUM = "(Abs(x) + Abs(y) + Abs(Abs(x) - Abs(y)))/2"  # max(|x|, |y|)
 
 
@@ -80,8 +89,7 @@ def test_golden_ladder(
     scene = load_system(name)
     ladder = derivatives_at(cells_of(scene, lyapunov), (scene.field(point[0]), scene.field(point[1])))
     assert str(ladder.naive.high) == str(naive)
-    assert str(ladder.shevitz_paden) == shevitz_paden
-    assert (None if ladder.bacciotti_ceragioli is None else str(ladder.bacciotti_ceragioli)) == bacciotti_ceragioli
+    assert (shown(ladder.shevitz_paden), shown(ladder.bacciotti_ceragioli)) == (shevitz_paden, bacciotti_ceragioli)
 
 
 @pytest.mark.parametrize(
@@ -109,8 +117,7 @@ def test_the_ladder_at_the_equilibrium_itself() -> None:
     assert isinstance(result.given, PlaneFunction)
     cells = result.given.result.cells
     ladder = ladder_at(velocities_at(cells, (zero, zero)), gradients_at(cells, (zero, zero)))
-    assert str(ladder.naive) == "[-2, 2]"
-    assert str(ladder.bacciotti_ceragioli) == "{0}"
+    assert (shown(ladder.naive), shown(ladder.bacciotti_ceragioli)) == ("[-2, 2]", "{0}")
 
 
 def test_smooth_v_needs_no_surfaces() -> None:

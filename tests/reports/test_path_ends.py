@@ -135,11 +135,6 @@ def test_with_units_the_body_has_inertia(invoke: Invoke, tmp_path: Path) -> None
     assert re.search(followed + r": ends .* mm of its end after [\d.]+ s, \d+ swing", shown)
 
 
-def test_plain_systems_say_it_too(invoke: Invoke) -> None:
-    found = invoke("simulate", "eq-3", "--from", "0.2,0.4").out
-    assert "from the checked point" in sentence(found) or "at the checked point" in sentence(found)
-
-
 def test_maps_count_the_starts_that_come_home(invoke: Invoke) -> None:
     found = invoke("simulate", "four-wheel", "--grid", "5", "--json").record
     at_x, at_y, accuracy = 0.0, 0.0, found["accuracy"]

@@ -15,6 +15,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from rich.text import Text
 
 from nonsmooth.analysis.measurements.harness import (
     Assessment,
@@ -22,6 +23,7 @@ from nonsmooth.analysis.measurements.harness import (
     LeftOut,
     Limits,
     Order,
+    ResultRow,
     Study,
     StudyPlan,
     Trial,
@@ -29,7 +31,7 @@ from nonsmooth.analysis.measurements.harness import (
 )
 from nonsmooth.proofs import measurements
 from nonsmooth.proofs.measurements import STUDIES
-from nonsmooth.reports.checks.measurements import Precision
+from nonsmooth.reports.checks.measurements import Precision, rows_table
 from nonsmooth.reports.output.console import INTERRUPTED
 from nonsmooth.reports.output.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -117,6 +119,13 @@ def test_a_table_shows_errors_times_and_slopes(invoke: Invoke) -> None:
 
 
 # ---- interrupts and what is left out -------------------------------------------------------------
+
+
+def test_rows_under_one_heading_stand_together() -> None:
+    """Cases that take turns at every parameter had a heading at every row."""
+    rows = [ResultRow(name, parameter) for parameter in "12" for name in ("box", "ellipse")]
+    shown = rows_table(("of", "end"), rows, lambda row: row.name, lambda row: (Text(row.parameter or ""), Text("done")))
+    assert [str(cell) for cell in shown.columns[1].cells] == ["box", "done", "done", "ellipse", "done", "done"]
 
 
 def test_an_interrupt_keeps_the_finished_rows(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -141,6 +141,22 @@ def test_it_says_what_binds_and_names_the_law_and_what_is_open(four_wheel: Array
     assert "position: " in words(brief_document(undecided), "Not decided")
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
+def test_what_is_open_stands_there_with_its_reason(tmp_path: Path) -> None:
+    """Also where the point is no equilibrium, and of a pose that is late where the answer is good otherwise."""
+    array = 'friction = { mu_roll = 1, mu_side = "1/2" }\nring = { count = 4, phase = "pi/4" }\n'
+    errors = 'feedback = { delay = "1/50", position_error = "1/1000" }\n'
+    (tmp_path / "late.toml").write_text(array + errors, encoding="utf-8")
+    late = brief_document(
+        ArraySubject(load_scene(tmp_path / "late.toml", rule="ellipse"), Invocation("late.toml"), ("answers",))
+    )
+    assert "pose that is late and wrong as [feedback] says: the law is certified near" in words(late, "Not decided")
+    assert "at the point, from anywhere within" in words(late, "Where and when bodies end")
+    bed = brief_document(ArraySubject(load_scene("roller-bed"), Invocation("roller-bed"), ("answers",)))
+    assert "why: below" not in words(bed, "Not decided")
+    assert "pose: no law was found, and none is excluded: " in words(bed, "Not decided")
+
+
 @pytest.mark.usefixtures("without_other_rules")
 def test_it_says_where_and_when_bodies_end(four_wheel: ArraySubject, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(destinations, "FEW_STARTS", 2)

@@ -65,6 +65,13 @@ def test_numbers_stay_exact_and_a_float_is_the_binary_number_that_it_is() -> Non
     assert "1 / 10" in repr(precise)
 
 
+def test_texts_are_formulas_beside_expressions() -> None:
+    """They were taken for lists of letters."""
+    assert repr(ns.System.from_sympy(["x", "y"], ["y", "-x - sign(y)"])) == "System: x' = y; y' = -x - sign(y)"
+    assert repr(ns.System.from_sympy([x, y], [y, "-x"])) == "System: x' = y; y' = -x"
+    assert " or " in repr(ns.System.from_sympy([x, y], [[y, "-x"], ["-x", -y]]))
+
+
 def nested(a: float, b: float) -> int:
     return 1 if a * a + b > 1 else 2 if a > 0 and b < 0 else 3
 
