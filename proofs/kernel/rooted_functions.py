@@ -165,7 +165,12 @@ def _proposals(subject: System, cells: Record, orders: Sequence[int]) -> Iterato
 
 
 def _falling(rows: Floats, every: Floats) -> Floats | None:
-    """Coefficients with which all rows are positive, by some of them and those that the last ones make negative."""
+    """Coefficients with which all rows are positive, by some of them and those that the last ones make negative.
+
+    Where a row is zero none falls: something rests there, or every function is kept.
+    """
+    if not every.any(axis=1).all():
+        return None
     for _ in range(ROUNDS):
         chosen = with_margin(rows, np.ones(rows.shape[1]))
         if chosen is None:
@@ -191,11 +196,11 @@ def _of_two_fields(claims: Iterable[Claim]) -> Iterator[Claim]:
 
 
 def _rows(claims: Sequence[Sequence[Claim]], seeds: Iterable[int]) -> Floats:
-    """The values at samples that must be positive, over their sizes, a column for each function."""
+    """The values at samples that must be positive, over the largest of each row, a column for each function."""
     points = {own.count: _samples(own.count, seeds) for own in claims[0]}
     rows = np.vstack([values_inside(same, 0, points[same[0].count]) for same in zip(*claims, strict=True)])
     sizes = np.abs(rows).max(axis=1, keepdims=True)
-    return np.asarray(rows[sizes[:, 0] > 0] / sizes[sizes[:, 0] > 0])
+    return np.asarray(rows / np.where(sizes > 0, sizes, 1))
 
 
 def _samples(count: int, seeds: Iterable[int]) -> Floats:
