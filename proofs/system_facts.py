@@ -53,7 +53,7 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     if len(states) > 1 or result.reach.rate is not None:  # in one state a V is looked at for a rate alone
         yield from displacement_facts(scene)
     if scene.written or scene.others:
-        yield row_fact("field", rewriting_words(scene))
+        yield row_fact("field", rewriting_words(scene, in_time_of_states=result.is_in_time_of_states))
     if given is not None and given is not function and (given.suprema or not check.is_default):
         reason = f"{given.reason} (on {given.domain.text(states)})"
         yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
@@ -118,7 +118,7 @@ def _roots(result: DecidedSystem, roots: SignedRoots) -> Fact:
     record = {
         "states": list(roots.states),
         "coordinates": list(roots.meanings),
-        "time_scale": roots.time_scale,
+        "time_scale": "1" if result.is_in_time_of_states else roots.time_scale,
         "finite_time": in_time or None,
     }
     said = "solutions near the equilibrium arrive in finite time" if in_time else "not known to be finite"
@@ -126,12 +126,18 @@ def _roots(result: DecidedSystem, roots: SignedRoots) -> Fact:
     return Fact("roots", record, said, row="arrival") if stable else Fact("roots", record)
 
 
-def rewriting_words(system: SwitchedSystem) -> str:
-    """What was done to the stated formulas, and between which right-hand sides it may switch, in words."""
+def rewriting_words(system: SwitchedSystem, *, in_time_of_states: bool = False) -> str:
+    """What was done to the stated formulas, and between which right-hand sides it may switch, in words.
+
+    Args:
+        system: which may be in roots of its states.
+        in_time_of_states: whether velocities are those of the states all the same.
+    """
     said = []
     if system.by_roots is not None:
         roots = system.by_roots.roots
-        said.append(f"with {' and '.join(roots.meanings)}, in a time that passes {roots.time_scale} times slower")
+        time = "the time of the states" if in_time_of_states else f"a time that passes {roots.time_scale} times slower"
+        said.append(f"with {' and '.join(roots.meanings)}, in {time}")
     if system.scale is not None:
         said.append(
             f"multiplied by {tidied(one_line(system.scale.text))}, which is positive on the square: other speeds"

@@ -297,7 +297,8 @@ class SystemCheckResult(FactResult):
         head.append(f": plain switched system in {', '.join(scene.stated_states)}", "not bold")
         stated = fact_rows(displacement_facts(scene)) if len(scene.states) > 1 else []
         if scene.written or scene.others:
-            stated.append(("field", rewriting_words(scene)))
+            in_time = self.evidence.is_in_time_of_states
+            stated.append(("field", rewriting_words(scene, in_time_of_states=in_time)))
         details: list[RenderableType] = [Text(f"{name}: {words}") for name, words in stated]
         if self.shows_evidence:
             details = [blocks_view([findings(fact_rows(self.found))])]
