@@ -174,8 +174,7 @@ def cells_section(subject: SystemSubject) -> Section:
     named = [(Math(f"s_{{{k}}} = {own.latex}", f"s_{k} = {own.plain}"),) for k, own in enumerate(surfaces, 1)]
     curved = any(surface.degree > 1 for surface in cells.surfaces)
     words = paragraph(
-        "Rates are written in the displacement from the point, whose entries are called like {}. {}",
-        like,
+        f"Rates are written in the displacement from the point, whose entries are called like {like}. {{}}",
         f"The signs of these functions cut the {_cube(subject)} into {len(cells.cells)} cells"
         f"{', some of which may have no point, beside curved surfaces' if curved else ''}. Where cells meet, every "
         "mixture of their fields is in Filippov's inclusion:"
