@@ -287,7 +287,9 @@ def _checked(system: SwitchedSystem, subject: Record, draft: Draft) -> Record:
         NoCertificateError: beyond its limits of work.
         UnverifiedError: where it rejects what its own theorems showed while evidence was searched.
     """
-    noted = {**notes(system), LEFT_OUT: draft.left_out} if draft.left_out else notes(system)
+    in_time = draft.evidence[0]["hypotheses"].get("roots") is not None
+    noted = notes(system, in_time_of_states=in_time)
+    noted |= {LEFT_OUT: draft.left_out} if draft.left_out else {}
     certificate = {
         "version": VERSION,
         "statement": {"subject": subject, "claims": draft.statements},
@@ -585,12 +587,13 @@ def _attracts_everywhere(draft: Draft) -> bool:
     return {"attracts": "everywhere"} in draft.statements
 
 
-def notes(system: SwitchedSystem) -> Record:
+def notes(system: SwitchedSystem, *, in_time_of_states: bool = False) -> Record:
     """The name of the scene, and the stated formulas where the right-hand sides are others; nothing that is proved."""
     found: Record = {"scene": system.name}
     if system.written:
         found["stated"] = [[one_line(formula) for formula in member] for member in system.written]
-        found["right-hand sides"] = rewriting_words(system)
+        rewritten = rewriting_words(system, in_time_of_states=in_time_of_states)
+        found |= {"right-hand sides": rewritten} if rewritten else {}
     return found
 
 

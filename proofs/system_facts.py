@@ -53,8 +53,9 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     yield Fact("equilibrium", (holds, Fact("at", Quantity(check.equilibrium))))
     if len(states) > 1 or result.reach.rate is not None:  # in one state a V is looked at for a rate alone
         yield from displacement_facts(scene)
-    if scene.written or scene.others:
-        yield row_fact("field", rewriting_words(scene))
+    rewritten = rewriting_words(scene, in_time_of_states=result.is_in_time_of_states)
+    if rewritten:
+        yield row_fact("field", rewritten)
     if given is not None and given is not function and (given.suprema or not check.is_default):
         reason = f"{given.reason} (on {given.domain.text(states)})"
         yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
@@ -126,7 +127,7 @@ def _roots(result: DecidedSystem, roots: SignedRoots) -> Fact:
     record = {
         "states": list(roots.states),
         "coordinates": list(roots.meanings),
-        "time_scale": roots.time_scale,
+        "time_scale": "1" if result.is_in_time_of_states else roots.time_scale,
         "finite_time": in_time or None,
     }
     said = "solutions near the equilibrium arrive in finite time" if in_time else "not known to be finite"
@@ -146,10 +147,15 @@ def arrival_words(reach: Reach, states: Sequence[str]) -> str:
     return f"every solution from {start} is at the equilibrium after at most {bound}"
 
 
-def rewriting_words(system: SwitchedSystem) -> str:
-    """What was done to the stated formulas, and between which right-hand sides it may switch, in words."""
+def rewriting_words(system: SwitchedSystem, *, in_time_of_states: bool = False) -> str:
+    """What was done to the stated formulas, and between which right-hand sides it may switch, in words.
+
+    Args:
+        system: which may be in roots of its states.
+        in_time_of_states: whether velocities are those of the states all the same, for a V about roots of its own.
+    """
     said = []
-    if system.by_roots is not None:
+    if system.by_roots is not None and not in_time_of_states:
         roots = system.by_roots.roots
         said.append(f"with {' and '.join(roots.meanings)}, in a time that passes {roots.time_scale} times slower")
     if system.scale is not None:
@@ -172,7 +178,7 @@ def rewriting_words(system: SwitchedSystem) -> str:
         said.append("where [[region]] tables overlap any of them acts, or a mixture, at any time")
     elif system.others and not enclosed:
         said.append(f"any of {len(system.members)} right-hand sides, or a mixture of them, at any time")
-    return f"{'; '.join(said)}."
+    return f"{'; '.join(said)}." if said else ""
 
 
 def _potential(result: DecidedSystem) -> Iterator[Fact]:

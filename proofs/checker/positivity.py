@@ -103,19 +103,34 @@ class Claim:
     def is_homogeneous(self) -> bool:
         """Whether it says of a place what it says of all its positive multiples, the bounds of the cube left aside.
 
-        All polynomials are forms; and where ``p + sum mu q > 0`` at a place, multiples of mu do it at its multiples,
-        since p and q differ in degree by the same number in all inequalities.
+        All polynomials are forms; and where ``p + sum mu q > 0`` at a place, mu times powers of the distance do it at
+        its multiples.  The same is asked of the values that mixtures make zero.
         """
-        degrees: dict[tuple[int, int], set[int]] = {}
         for own in self.inequalities:
             surfaces = [guard for name, guard in own.guards.items() if name[0] == "s"]
             if not all(form.is_form for form in (own.value, *own.weak, *own.pushes, *surfaces)):
                 return False
-            for i, value in enumerate((own.value, *own.weak)):
-                for j, push in enumerate(own.pushes):
-                    if value and push:
-                        degrees.setdefault((i, j), set()).add(value.degree - push.degree)
-        return all(len(gaps) == 1 for gaps in degrees.values())
+        values = zip(*((own.value, *own.weak) for own in self.inequalities), strict=True)
+        pushes = [own.pushes for own in self.inequalities]
+        return all(scale_together([(one, *q) for one, q in zip(column, pushes, strict=True)]) for column in values)
+
+
+def scale_together(rows: Sequence[Sequence[Polynomial]]) -> bool:
+    """Whether forms have one degree in every row, once that of each column is raised by a number of its own.
+
+    The numbers are those of the functions mu.  A form that is zero has any degree; so rows with a common column are
+    followed from one to the next, and one that has none in common with those before begins anew.
+    """
+    raised: dict[int, int] = {}  # the numbers that are known, by columns
+    waiting = list({tuple((k, own.degree) for k, own in enumerate(row) if own): None for row in rows})
+    while waiting:
+        row = next((own for own in waiting if any(k in raised for k, _ in own)), waiting[0])
+        waiting.remove(row)
+        whole_degree = next((degree + raised[k] for k, degree in row if k in raised), 0)
+        for k, degree in row:
+            if raised.setdefault(k, whole_degree - degree) != whole_degree - degree:
+                return False
+    return True
 
 
 def show(claim: Claim, evidence: Any) -> None:

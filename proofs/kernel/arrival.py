@@ -54,7 +54,7 @@ FEW_DIGITS, DIGITS = 2, 3  # of c, of which the largest is one, and of other num
 DENOMINATOR = 256  # of the coefficients of V
 SPARE = (Fraction(31, 32), Fraction(7, 8), Fraction(1, 2))  # parts of the rate that samples allow, tried in turn
 ROOM = Fraction(33, 32)  # of the largest V at samples
-TINY = 1e-9  # of the largest, rates that count as none
+TINY = 2.0**-30  # of the largest, rates that count as none
 THINNED, SLACK = 6, 1 / 64  # of samples the first ones; of the rate that others may lack
 
 

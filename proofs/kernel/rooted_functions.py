@@ -244,7 +244,12 @@ def units_of(about: InRoots, listed: Sequence[Product]) -> Floats:
 
 
 def _positive(rows: Floats, every: Floats) -> Floats | None:
-    """Coefficients with which all rows are positive, by some of them and those that the last ones make negative."""
+    """Coefficients with which all rows are positive, by some of them and those that the last ones make negative.
+
+    Where a row is zero none falls: something rests there, or every function is kept.
+    """
+    if not every.any(axis=1).all():
+        return None
     for _ in range(ROUNDS):
         chosen = with_margin(rows, np.ones(rows.shape[1]))
         if chosen is None:
@@ -281,9 +286,9 @@ def _rows(claims: Sequence[Sequence[Claim]], kept: Kept, units: Floats) -> tuple
 
 
 def _normalized(rows: Floats) -> Floats:
-    """Rows over their largest entries, without those of zeros."""
+    """Rows over their largest entries."""
     sizes = np.abs(rows).max(axis=1, keepdims=True)
-    return np.asarray(rows[sizes[:, 0] > 0] / sizes[sizes[:, 0] > 0])
+    return np.asarray(rows / np.where(sizes > 0, sizes, 1))
 
 
 def at_samples(claims: Sequence[Sequence[Claim]], seeds: tuple[int, ...]) -> Floats:

@@ -322,6 +322,12 @@ class DecidedSystem:
         return self.deciding.function
 
     @property
+    def is_in_time_of_states(self) -> bool:
+        """Whether V is about roots of states, and falls along the velocities of the states, not of the roots."""
+        entry = self.deciding.entry
+        return entry is not None and entry["hypotheses"].get("roots") is not None
+
+    @property
     def has_local_region(self) -> bool:
         """Whether a region by a V is known, so that a larger one may be."""
         return self.reach.region is not None and self.function is not None and not self.reach.everywhere

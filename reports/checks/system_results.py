@@ -297,8 +297,8 @@ class SystemCheckResult(FactResult):
         head = Text(one_line(scene.name), "bold")
         head.append(f": plain switched system in {', '.join(scene.stated_states)}", "not bold")
         stated = fact_rows(displacement_facts(scene)) if len(scene.states) > 1 else []
-        if scene.written or scene.others:
-            stated.append(("field", rewriting_words(scene)))
+        rewritten = rewriting_words(scene, in_time_of_states=self.evidence.is_in_time_of_states)
+        stated += [("field", rewritten)] if rewritten else []
         details: list[RenderableType] = [Text(f"{name}: {words}") for name, words in stated]
         if self.shows_evidence:
             details = [blocks_view([findings(fact_rows(self.found))])]

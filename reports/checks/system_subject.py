@@ -49,6 +49,12 @@ class SystemSubject(ReportSubject):
         function: ExaminedFunction | None = self.result.function or self.result.given
         return function
 
+    @cached_property
+    def seen(self) -> SwitchedSystem:
+        """The system whose cells are told; with the velocities of states, in roots, where V falls along these."""
+        roots = self.result.scene.by_roots
+        return self.scene if roots is None or not self.result.is_in_time_of_states else roots.unscaled
+
     @property
     def is_in_plane(self) -> bool:
         """Whether it has two states and no roots of them: then cells are polygons of the states, and can be drawn."""
@@ -66,7 +72,7 @@ class SystemSubject(ReportSubject):
         Raises:
             BeyondReachError: where there are too many.
         """
-        return build_cells(self.scene, self.scene.check.radius, irrational=True)
+        return build_cells(self.seen, self.seen.check.radius, irrational=True)
 
     def fields(self) -> Iterator[tuple[str, list[StatedField]]]:
         """The signs of each of these cells, with the one stated field, or with every one that may act.
@@ -74,7 +80,7 @@ class SystemSubject(ReportSubject):
         Raises:
             BeyondReachError: where there are too many.
         """
-        system, cells = self.scene, self.sign_cells
+        system, cells = self.seen, self.sign_cells
         stated = (system,) if system.names else system.members
         for cell in cells.cells:
             sign_of = signs_by_factors(dict(zip(cells.surfaces, cell.signs, strict=True)))

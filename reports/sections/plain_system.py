@@ -12,6 +12,7 @@ from itertools import cycle
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
+from nonsmooth.proofs.kernel_strategies import signed_roots_of
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
 from nonsmooth.proofs.parts import Parts, names_of
 from nonsmooth.proofs.system_facts import (
@@ -56,6 +57,7 @@ from nonsmooth.reports.sections.plane_system import (
 )
 from nonsmooth.reports.simulations.paths import SystemPath, follow_system
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
+from nonsmooth.symbolic.files.system_builder import stated_lists
 from nonsmooth.symbolic.formulas.formula_text import tidied
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
@@ -108,6 +110,8 @@ def verdict_section(subject: SystemSubject) -> Section:
 
 def system_section(subject: SystemSubject) -> Section:
     """The formulas as they were written, and what is checked."""
+    if subject.result.is_in_time_of_states:
+        return _system_in_time_of_states(subject)
     system, radius = subject.scene, subject.scene.check.radius
     where = paragraph(
         "Checked at {}, on the {} of half-width {} about it{}. On switching surfaces the values of the formulas are "
@@ -133,6 +137,24 @@ def system_section(subject: SystemSubject) -> Section:
     return Section("The system", (*blocks, where))
 
 
+def _system_in_time_of_states(subject: SystemSubject) -> Section:
+    """The formulas as they were written, and of which roots of states V is a function."""
+    system, entry = subject.scene, subject.result.deciding.entry
+    roots = None if entry is None else signed_roots_of(system, entry["hypotheses"])
+    if roots is None:
+        raise TypeError("required a V about roots of states")
+    stated = [_formulas(system.stated_states, formulas) for formulas in stated_lists(system)]
+    where = paragraph(
+        "Checked at {}. V is a function of {}, with {}, in the time of the states. On switching surfaces the values of "
+        "the formulas are ignored: solutions are those of Filippov's inclusion. {}",
+        point(system.stated_point),
+        ", ".join(roots.seen_states),
+        " and ".join(roots.meanings),
+        rewriting_words(system, in_time_of_states=True),
+    )
+    return Section("The system", (*stated, where))
+
+
 def _cube(subject: SystemSubject) -> str:
     return CUBES.get(len(subject.scene.states), "cube")
 
@@ -149,12 +171,14 @@ def cells_section(subject: SystemSubject) -> Section:
     """The pieces of the checked cube on which the fields are polynomials, by the signs of switching surfaces."""
     if subject.is_in_plane:
         return polygons_section(subject)
-    cells, states = subject.sign_cells, subject.scene.states
+    cells, states = subject.sign_cells, subject.seen.states
+    rated = subject.scene.stated_states if subject.result.is_in_time_of_states else states
+    like = "the states" if rated == states else "the roots and states"
     surfaces = [polynomial_math(surface, states) for surface in cells.surfaces]
     named = [(Math(f"s_{{{k}}} = {own.latex}", f"s_{k} = {own.plain}"),) for k, own in enumerate(surfaces, 1)]
     curved = any(surface.degree > 1 for surface in cells.surfaces)
     words = paragraph(
-        "Rates are written in the displacement from the point, whose entries are called like the states. {}",
+        f"Rates are written in the displacement from the point, whose entries are called like {like}. {{}}",
         f"The signs of these functions cut the {_cube(subject)} into {len(cells.cells)} cells"
         f"{', some of which may have no point, beside curved surfaces' if curved else ''}. Where cells meet, every "
         "mixture of their fields is in Filippov's inclusion:"
@@ -165,7 +189,7 @@ def cells_section(subject: SystemSubject) -> Section:
     for signs, fields in subject.fields():
         rows += [[signs if not k else "", *stated_math(field, states)] for k, field in enumerate(fields)]
     blocks: list[Block] = [words, Bullets(tuple(named))] if named else [words]
-    blocks.append(table(("signs", *rates_header(states)), rows[:SHOWN_FIELDS]))
+    blocks.append(table(("signs", *rates_header(rated)), rows[:SHOWN_FIELDS]))
     if len(rows) > SHOWN_FIELDS:
         blocks.append(paragraph("{} more rows are left out.", str(len(rows) - SHOWN_FIELDS)))
     return Section("Cells", tuple(blocks))
@@ -189,6 +213,8 @@ def point_section(subject: SystemSubject) -> Section:
 
 def lyapunov_section(subject: SystemSubject) -> Section:
     """The V that proves the verdict, with its conditions, region and rate; else what the scene's V shows."""
+    if subject.result.is_in_time_of_states:
+        return _function_of_states(subject)
     shown, reach, states = subject.shown, subject.result.reach, subject.scene.states
     if shown is None:
         raise TypeError("required a system of which some V is looked at")
@@ -207,6 +233,28 @@ def lyapunov_section(subject: SystemSubject) -> Section:
         blocks.append(paragraph("Rate farther out: {}.", region_rate_words(reach, states)))
     if reach.gain is not None:
         blocks.append(paragraph("With a disturbance {}: {}.", disturbance_letter(states), gain_words(reach, states)))
+    return Section("A Lyapunov function", tuple(blocks))
+
+
+def _function_of_states(subject: SystemSubject) -> Section:
+    """A V by forms in roots of states, and what is shown of it."""
+    entry = subject.result.deciding.entry
+    if entry is None:
+        raise TypeError("required a V with evidence")
+    counted = Counter[tuple[str, str]]()
+    for name, evidence in entry["proofs"].items():
+        kind = INEQUALITIES.get((name.split()[0], True))
+        if kind is not None:
+            counted[kind, EVIDENCE[next(iter(evidence))]] += 1
+    rows: list[list[Entry]] = [[inequality, str(count), kind] for (inequality, kind), count in counted.items()]
+    words = (
+        "{} falls along the velocities of the states{}. Its derivative by a state x is that by root_x over {}, q the "
+        "order of the root: again a polynomial on each cell."
+    )
+    where = " where it is not positive" if entry["theorem"] == "instability" else ""
+    function, speed = Code(f"V = {entry['hypotheses']['function']}"), Code("q*Abs(root_x)**(q - 1)")
+    blocks: list[Block] = [paragraph(words, function, where, speed), paragraph("{}", CLAIMED)]
+    blocks.append(table(("inequality", "how often", "shown by"), rows, (0.5, 0.15, 0.35)))
     return Section("A Lyapunov function", tuple(blocks))
 
 
@@ -314,7 +362,11 @@ def _not_in_plane(subject: SystemSubject) -> str:
 
 
 def _no_function(subject: SystemSubject) -> str:
-    return "no V is looked at" if subject.shown is None else ""
+    if subject.shown is not None or subject.result.is_in_time_of_states:
+        return ""
+    entry = subject.result.deciding.entry
+    by_function = entry is not None and "function" in entry["hypotheses"]
+    return "V is in the verdict, and what is shown of it in a certificate" if by_function else "no V is looked at"
 
 
 def _no_parts(subject: SystemSubject) -> str:

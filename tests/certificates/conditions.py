@@ -929,6 +929,35 @@ def of_homogeneous_systems() -> Iterator[Forgery]:
     yield scaled("velocities whose terms have the weights of one degree", "-x + x**3", [])
 
 
+def of_forms_of_several_degrees() -> Iterator[Forgery]:
+    """Solutions that stay where x = y = 0 < z and leave beyond z = 2, though V falls in the cube, and all is of forms.
+
+    Beside that line fields push ``(2 z, 2 z**3)``, ``(0, -z)`` and ``(-2 z, 0)`` across, the first with V' = 0.
+    """
+    above, names = "(1 + sign(z))/2", ("x", "y", "z")
+
+    def inside(x: str, y: str, end: str) -> str:
+        return f"{above}*(1 {x} sign(x))/2*(1 {y} sign(y))/2*(1 + sign({end}))/2"
+
+    more = {
+        inside("-", "+", "z - 8*y"): ("2*z", "y + z**2*(2*z - x - y/2)", "z**2*(z/2 - 2*y)"),
+        inside("+", "-", "z + 8*y"): ("0", "y - z", "z"),
+        inside("+", "+", "z - 8*y"): ("-2*z", "0", "0"),
+    }
+    rhs = [f"-{name}" + "".join(f" + {here}*({own[k]})" for here, own in more.items()) for k, name in enumerate(names)]
+    subject: Record = {"states": list(names), "rhs": [rhs], "at": ["0", "0", "0"]}
+    surfaces, empty = ["x", "y", "z", "z - 8*y", "z + 8*y"], [".++.-", ".-+-.", ".+-+.", ".--.+"]
+    function = "x**2 + y**2 + z**2 + Abs(x)*Abs(z) - Abs(y)*Abs(z)/2"
+    own: Record = {"cells": {"within": "1", "surfaces": surfaces, "empty": empty}, "function": function}
+    own |= {"verdict": "asymptotically stable", "everywhere": False, "below": False}
+    own |= dict.fromkeys(("second", "level", "rate"))
+    on_line = {"simplices": [{"mu": [["0", "-1"], ["0", "3/4"]]}, {"on": ["s2"] * 8}]}
+    entry, _ = Search(known={"face 00+..": on_line}).entry(read_subject(subject), "lyapunov", own)
+    hypotheses = {**own, "everywhere": True}
+    words = "cones and forms, for the whole space"
+    yield of_subject(words, subject, [ATTRACTS, EVERYWHERE], "lyapunov", hypotheses, entry["proofs"])
+
+
 def of_names_of_roots() -> Iterator[Forgery]:
     """Roots that are none, or not rational at the point."""
     roots: Path = ["statement", "subject", "roots"]
@@ -970,6 +999,6 @@ def conditions() -> Iterator[Forgery]:
         *(of_evidence, of_squares, of_pairs, of_further_functions, of_formulas, of_documents),
         *(of_cells, of_faces, of_points, of_pieces),
         *(of_escape, of_choice, of_circles, of_centres, of_polygons, of_meshes, of_names_of_roots, of_parts),
-        *(of_resting_places, of_a_relay_in_space, of_homogeneous_systems),
+        *(of_resting_places, of_a_relay_in_space, of_homogeneous_systems, of_forms_of_several_degrees),
     ):
         yield from kind()

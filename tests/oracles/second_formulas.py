@@ -284,10 +284,29 @@ class Claim:
 
     def is_of_forms(self) -> bool:
         polys = [p for row in self.rows for p in (row.p, *row.q)]
-        steps = [
-            {degree(r.p) - degree(r.q[j]) for r in self.rows if r.p and r.q[j]} for j in range(len(self.rows[0].q))
-        ]
-        return all(len({sum(e) for e, _ in terms(p)}) <= 1 for p in polys) and all(len(own) <= 1 for own in steps)
+        return all(len({sum(e) for e, _ in terms(p)}) <= 1 for p in polys) and self._degrees_fit()
+
+    def _degrees_fit(self) -> bool:
+        """Whether some numbers e make ``deg p = deg q_j + e_j`` in each row, of what is not zero there: a graph."""
+        edges: dict[Any, list[tuple[Any, int]]] = {}
+        for i, row in enumerate(self.rows):
+            for j, own in enumerate((row.p, *row.q)):
+                if own:
+                    edges.setdefault(("row", i), []).append((("column", j), -degree(own)))
+                    edges.setdefault(("column", j), []).append((("row", i), degree(own)))
+        height: dict[Any, int] = {}
+        for start in edges:
+            waiting = [] if start in height else [start]
+            height.setdefault(start, 0)
+            while waiting:
+                node = waiting.pop()
+                for other, step in edges[node]:
+                    if other not in height:
+                        height[other] = height[node] + step
+                        waiting.append(other)
+                    elif height[other] != height[node] + step:
+                        return False
+        return True
 
 
 def show(claim: Claim, evidence: Any) -> None:

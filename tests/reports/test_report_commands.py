@@ -268,6 +268,37 @@ def test_rows_of_cells_are_the_stated_field(name: str) -> None:
         )
 
 
+DIFFERENTIATOR = ["-2*Abs(x)**(2/3)*sign(x) + y", "-53/25*Abs(x)**(1/3)*sign(x) + z", "-11/10*sign(x)"]
+
+
+def test_a_v_in_the_time_of_the_states_is_told_with_its_roots_and_cells() -> None:
+    """No other time is spoken of, and the rows of the cells are the stated velocities in these roots."""
+    system = ns.System(["x", "y", "z"], DIFFERENTIATOR)
+    report = system.derive(only="verdict,system,cells,lyapunov")
+    text = report.text(".md")
+    assert report.sections == ("The verdict", "The system", "Cells", "A Lyapunov function")
+    assert (text.count("in the time of the states"), "slower" in text) == (2, False)
+    assert "falls along the velocities of the states. Its derivative" in text
+    assert system.check().to_dict()["roots"]["time_scale"] == "1"
+    subject = SystemSubject(system.system, Invocation(system.system.origin), ())
+    rows, surfaces = dict(subject.fields()), subject.sign_cells.surfaces
+    assert len(rows) == 2
+    for place in np.random.default_rng(0).uniform(-0.5, 0.5, (20, 3)):
+        signs = [float_values(surface.terms, place[None])[0] > 0 for surface in surfaces]
+        (field,) = rows[" ".join("+" if sign else "-" for sign in signs)]
+        roots = dict(zip(("root_x", "root_y", "z"), place.tolist(), strict=True))
+        states = dict(zip("xyz", (place * np.abs(place) ** np.array([2, 0, 0])).tolist(), strict=True))
+        found = [value(own, **roots) for own in field.texts(tuple(roots))]
+        assert found == pytest.approx([value(own, **states) for own in DIFFERENTIATOR])
+
+
+def test_a_v_that_falls_where_it_is_not_positive_says_so() -> None:
+    rhs = ["1/2*Abs(x)**(2/3)*sign(x) + y", "-Abs(x)**(1/3)*sign(x) + z", "-sign(x)"]
+    report = ns.System(["x", "y", "z"], rhs).derive(only="lyapunov")
+    assert report.verdict == "unstable"
+    assert "falls along the velocities of the states where it is not positive." in report.text(".md")
+
+
 def test_cells_beside_the_point_do_not_count_at_it() -> None:
     """Only those that touch it: x' is -6 beyond x = 1/4."""
     for states in (["x", "y"], ["x", "y", "z"]):
