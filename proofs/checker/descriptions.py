@@ -159,7 +159,8 @@ def _arrives(said: Any, system: System) -> str:
     sizes = [f"abs({own})" + (f"^(1/{q})" if q > 1 else "") for own, q in zip(away, said["orders"], strict=True)]
     size = " + ".join(map(_times, said["size"], sizes))
     power = "" if said["power"] == 1 else f"^{said['power']}"
-    return f"every solution is at the point after {_factor(said['factor'])} ({size}){power} at the latest"
+    whole = size if len(sizes) == 1 and not power else f"({size}){power}"
+    return f"every solution is at the point after {_factor(said['factor'])} {whole} at the latest"
 
 
 def _outside(said: Any, system: System) -> str:

@@ -58,7 +58,8 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
         require(second is level is rate is denominator is inside is None, "a verdict and a time of arrival in roots")
         system = in_roots(system, roots)
     require(arrival is None or (attracts and everywhere is True and roots is not None), "a time of arrival in roots")
-    own = read_functions(system, cells, function, second, proofs)
+    sizes = [] if arrival is None else [size_text(system, arrival)]
+    own = read_functions(system, cells, function, second, proofs, sizes)
     if own.inclusion.domain.gradients is not None:
         require(level is rate is denominator is None and everywhere is False, "a verdict alone in a frame")
     if denominator is not None:
@@ -141,9 +142,8 @@ def show_arrival(own: Lyapunov, data: Any) -> Statement:
         The factor T, the numbers c, the orders q, 1 where the state itself stands, and the power e.
     """
     size, above, speed, power = take(data, "size above speed power")
-    weights = [rational(value) for value in items(size, own.count)]
     bound, fall = rational(above), rational(speed)
-    require(min(*weights, bound, fall) > 0, "a time of arrival of positive numbers")
+    require(min(bound, fall) > 0, "a time of arrival of positive numbers")
     system = own.inclusion.domain.system
     at_zero = all(not value for value, q in zip(system.origin, system.orders, strict=True) if q > 1)
     require(at_zero, "roots that are zero at the point")
@@ -152,25 +152,20 @@ def show_arrival(own: Lyapunov, data: Any) -> Statement:
     (degree,) = degrees
     e = whole(power, degree)
     require(e > 0, "a time of arrival with a positive power")
-    radius = own.inclusion.domain.radius
-
-    def power_of_size(cell: Cell, exponent: int) -> Polynomial:
-        return size_on(own.inclusion, cell, system.coordinates, weights).power(exponent)
-
+    speed_there = fall * own.inclusion.domain.radius
     for name, signs, cell in own.inclusion.pieces():
-        own.show_below(name, signs, cell, power_of_size(cell, degree).times(bound))
-    own.show_falls("arrival ", lambda cell: power_of_size(cell, degree - e).times(fall * radius), strict=False)
+        own.show_below(name, signs, cell, cell.functions[-1].power(degree).times(bound))
+    own.show_falls("arrival ", lambda cell: cell.functions[-1].power(degree - e).times(speed_there), strict=False)
     factor = degree * bound / (e * fall)
     return {"factor": str(factor), "size": size, "orders": list(system.orders), "power": e}
 
 
-def size_on(inclusion: Inclusion, cell: Cell, names: Sequence[str], weights: Sequence[Fraction]) -> Polynomial:
-    """``sum_k c_k Abs(w_k)`` of coordinates with these names, from the point, on a cell."""
-    total = constant(inclusion.count, 0)
-    for name, weight in zip(names, weights, strict=True):
-        coordinate = inclusion.domain.displacement[name]
-        total += coordinate.times(weight * inclusion.surfaces.sign_on(cell.signs, coordinate))
-    return total
+def size_text(system: System, data: Any) -> str:
+    """``sum_k c_k Abs(w_k)`` as a function beside V, so that pieces and faces tell the signs of all coordinates."""
+    size, *_ = take(data, "size above speed power")
+    weights = [rational(value) for value in items(size, system.count)]
+    require(min(weights) > 0, "a time of arrival of positive numbers")
+    return " + ".join(f"({weight})*Abs({name})" for weight, name in zip(weights, system.coordinates, strict=True))
 
 
 def show_instability(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
@@ -214,10 +209,12 @@ def show_departure(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     return [{"stability": UNSTABLE}, {"equilibrium": False}]
 
 
-def read_functions(system: System, cells: Any, function: Any, second: Any, proofs: Proofs) -> Lyapunov:
-    """V, with further functions where the hypotheses name some."""
+def read_functions(
+    system: System, cells: Any, function: Any, second: Any, proofs: Proofs, beside: Sequence[str] = ()
+) -> Lyapunov:
+    """V, with further functions where the hypotheses name some, or others that only stand beside it."""
     if second is None:
-        return Lyapunov(Inclusion(system, cells, [function], proofs, framed=True), proofs)
+        return Lyapunov(Inclusion(system, cells, [function, *beside], proofs, framed=True), proofs)
     others, zeros = take(second, "functions zeros")
     functions = [function, *items(others, most=MAX_OTHERS)]
     return Chain(Inclusion(system, cells, functions, proofs), proofs, zeros)

@@ -20,9 +20,9 @@ import numpy as np
 
 from nonsmooth.proofs.checker.cells import Cell
 from nonsmooth.proofs.checker.lyapunov import Shift
-from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.polynomials import Polynomial, constant
 from nonsmooth.proofs.checker.positivity import Claim
-from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, size_on
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
@@ -137,10 +137,14 @@ class _Forms:
 
     def _powers_of_size(self, size: Sequence[Fraction], exponent: int) -> Callable[[Cell], Polynomial]:
         """``S^exponent`` on cells."""
-        own, names = self.functions, self.about.seen.coordinates
+        own, names = self.functions.inclusion, self.about.seen.coordinates
 
         def power_of(cell: Cell) -> Polynomial:
-            return size_on(own.inclusion, cell, names, size).power(exponent)
+            total = constant(own.count, 0)
+            for name, weight in zip(names, size, strict=True):
+                coordinate = own.domain.displacement[name]
+                total += coordinate.times(weight * own.surfaces.sign_on(cell.signs, coordinate))
+            return total.power(exponent)
 
         return power_of
 

@@ -450,6 +450,10 @@ def functions_of_roots() -> Iterator[Case]:
     yield Case("roots-box", slides, "lyapunov", twice)
     at_once = {"size": ["1"], "above": "1", "speed": "1", "power": 1}
     arrives = {**lyapunov("root_x**2", cells("root_x"), everywhere=True), "roots": {"x": 2}, "arrival": at_once}
+    tanks, both = subject(["-sign(x)*sqrt(Abs(x))", "-sign(y)*sqrt(Abs(y))"]), {"roots": {"x": 2, "y": 2}}
+    falls = {**lyapunov("root_x**2 + root_y**2", cells("root_x", "root_y"), everywhere=True), **both}
+    slowest = {"size": ["1", "1"], "above": "1", "speed": "1", "power": 1}
+    yield Case("roots-arrive-both", {**tanks, "roots": ["x", "y"]}, "lyapunov", {**falls, "arrival": slowest})
     yield Case("roots-arrive", {**subject(["-sign(x)*sqrt(Abs(x))"]), "roots": ["x"]}, "lyapunov", arrives)
 
 
