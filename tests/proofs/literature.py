@@ -107,6 +107,8 @@ def in_more_states() -> Iterator[Known]:
     def known(name: str, rhs: tuple[str, ...], source: str, *, everywhere: bool = False) -> Known:
         return Known(name, rhs, ATTRACTS, source, states=NAMES[: len(rhs)], everywhere=everywhere)
 
+    gains = ("-2*Abs(x)**(2/3)*sign(x) + y", "-53/25*Abs(x)**(1/3)*sign(x) + z", "-11/10*sign(x)")
+    yield known("differentiator of second order", gains, "Levant 2003", everywhere=EVERYWHERE)
     guide = ("-x**3 - x*z**2", "-y - x**2*y", "-z - 3*z/(z**2 + 1) + 3*x**2*z")
     yield known("SOSTOOLS guide, section 4.2", guide, "5.55 x^2 + 4.11 y^2 + 1.79 z^2", everywhere=EVERYWHERE)
     second = ("-x", "-2*y + x*y**2/10 + z", "-z - 3*y/2")
