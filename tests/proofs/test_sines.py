@@ -30,7 +30,7 @@ from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.system_facts import rewriting_words
-from nonsmooth.proofs.systems.findings import Method
+from nonsmooth.proofs.systems.findings import Method, Reach
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
@@ -168,7 +168,7 @@ KNOWN = {
 
 
 class Open:
-    verdict = Translation.UNDECIDED
+    verdict, reach = Translation.UNDECIDED, Reach()
 
 
 def checked(rhs: tuple[str, ...]) -> Any:
