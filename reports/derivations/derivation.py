@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.checks.subject import ArraySubject, Invocation, ReportSubject
-from nonsmooth.reports.derivations.parts import brief_document, chosen_parts, names_of, sections_of, subject_of
+from nonsmooth.reports.derivations.parts import brief_document, chosen_parts, lacking, names_of, sections_of, subject_of
 from nonsmooth.reports.formats.html import render_html
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
@@ -156,6 +156,10 @@ class ReportResult(Result):
         return short_lines(self.title, self._said())
 
 
+class NoSectionError(ValueError):
+    """Sections that are not about a scene, in one line."""
+
+
 def derive_report(
     scene: Scene | SwitchedSystem,
     invocation: Invocation | None = None,
@@ -176,14 +180,18 @@ def derive_report(
 
     Raises:
         RefusalError: where the motion is not determined.
+        NoSectionError: where none of these sections is about the scene.
     """
     chosen = names_of(scene.kind) if parts is None else parts
     subject = subject_of(scene.kind)(scene, invocation or Invocation(scene.origin), chosen, announce)
     if brief and isinstance(subject, ArraySubject):
         answers = ", ".join(f"{answer.name} {answer.verdict}" for answer in subject.answers.rows)
         return ReportResult(brief_document(subject), subject, answers)
-    title = f"Derivation report: {one_line(scene.name)}"
-    return ReportResult(Document(title, tuple(sections_of(subject))), subject)
+    title, sections = f"Derivation report: {one_line(scene.name)}", tuple(sections_of(subject))
+    if not sections:
+        lacks = "; ".join(f"{name}: {why}" for name, why in lacking(subject)) or ", ".join(chosen)
+        raise NoSectionError(f"only: required a section that is about this scene, received none ({lacks})")
+    return ReportResult(Document(title, sections), subject)
 
 
 def render_report(report: ReportResult, suffix: str, figures: str = "figures") -> str:
@@ -312,7 +320,7 @@ class DeriveStudy(SceneStudy[DeriveOptions]):
 
             require_resolved(loaded)
             loaded = standing(loaded)
-        with refusals_named(loaded), steps("derivation") as announce:
+        with option_named(NoSectionError), refusals_named(loaded), steps("derivation") as announce:
             return derive_report(loaded, scene.invocation, options.parts(scene.kind), announce, brief=options.brief)
 
 

@@ -123,11 +123,15 @@ def sections_of(subject: ReportSubject) -> Iterator[Section]:
             yield part.build(subject)
 
 
+def lacking(subject: ReportSubject) -> list[tuple[str, str]]:
+    """The sections that were asked for and are not about the scene, each with the reason."""
+    asked = [part for part in parts_of(subject.scene.kind) if part.name in subject.parts]
+    return [(part.name, why) for part in asked if (why := part.lacks(subject)) not in {"", UNMISSED}]
+
+
 def _left_out(subject: ReportSubject) -> Section:
     """What was not computed, and which sections were not written, with the reasons."""
-    parts = parts_of(subject.scene.kind)
-    asked = [part for part in parts if part.name in subject.parts]
-    reasons = [(part.name, why) for part in asked if (why := part.lacks(subject)) not in {"", UNMISSED}]
+    parts, reasons = parts_of(subject.scene.kind), lacking(subject)
     reasons += [(part.name, "not asked for") for part in parts if part.name not in subject.parts]
     items: list[Text] = [(said,) for said in subject.left_out]
     items += [(f"Section {name}: {why}.",) for name, why in reasons]

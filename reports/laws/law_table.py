@@ -306,7 +306,8 @@ def _row(region: LawRegion, twist: str, wheel: int, speed: str) -> dict[str, str
 
 
 def _sum(coefficients: Sequence[float], names: Sequence[str]) -> str:
-    return " + ".join(f"{value!r} {name}" for value, name in zip(coefficients, names, strict=True) if value) or "0"
+    terms = [f"{value!r} {name}" for value, name in zip(coefficients, names, strict=True) if value]
+    return " + ".join(terms).replace("+ -", "- ") or "0"
 
 
 def _region(cell: Cell, speeds: Mapping[int, Coefficients], axes: tuple[Coefficients, ...]) -> LawRegion:

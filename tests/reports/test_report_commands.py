@@ -411,3 +411,12 @@ def test_no_word_is_lost(name: str, rule: str) -> None:
     check = check_theorem4(load_scene(name, rule=rule))
     for reason in (check.reason, *(found.reason for _, found in check.clauses)):
         assert plain(reason) == reason
+
+
+def test_a_report_without_a_section_about_the_scene_is_refused(invoke: Invoke, tmp_path: Path) -> None:
+    """It was an empty file; the reasons are those that a report with other sections gives."""
+    page = tmp_path / "page.md"
+    only = ("--rule", "ellipse", "--only", "cells,feedback", "-o", str(page))
+    outcome = invoke("derive", "differential-drive", *only)
+    assert (outcome.status, page.exists()) == (2, False)
+    assert "--only: required a section that is about this scene, received none (cells: rule ellipse" in outcome.err
