@@ -67,6 +67,7 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     yield Fact("lyapunov", tuple(_potential(result)) or None)
     yield Fact("translation", tuple(_stability(result)))
     yield from result.deciding.facts
+    yield from _proved_by(result)
     if scene.by_roots is not None and len(states) > 1:  # in one state no time of arrival is looked for
         yield _roots(result, scene.by_roots.roots)
     reach = result.reach
@@ -179,6 +180,13 @@ def rewriting_words(system: SwitchedSystem, *, in_time_of_states: bool = False) 
     elif system.others and not enclosed:
         said.append(f"any of {len(system.members)} right-hand sides, or a mixture of them, at any time")
     return f"{'; '.join(said)}." if said else ""
+
+
+def _proved_by(result: DecidedSystem) -> Iterator[Fact]:
+    """The V of a theorem whose evidence decides, as its formula, and where its claims hold; rows say it in words."""
+    entry, rows = result.deciding.entry, {fact.row: fact.words for fact in result.deciding.facts}
+    if entry is not None and result.function is None and isinstance(entry["hypotheses"].get("function"), str):
+        yield Fact("proved_by", {"V": quotient_text(entry["hypotheses"]), "on": rows.get("on")})
 
 
 def _potential(result: DecidedSystem) -> Iterator[Fact]:
