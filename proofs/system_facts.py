@@ -185,7 +185,9 @@ def rewriting_words(system: SwitchedSystem, *, in_time_of_states: bool = False) 
 def _proved_by(result: DecidedSystem) -> Iterator[Fact]:
     """The V of a theorem whose evidence decides, as its formula, and where its claims hold; rows say it in words."""
     entry, rows = result.deciding.entry, {fact.row: fact.words for fact in result.deciding.facts}
-    if entry is not None and result.function is None and isinstance(entry["hypotheses"].get("function"), str):
+    if entry is None or result.function is not None or entry["theorem"] not in ("lyapunov", "instability"):
+        return
+    if isinstance(entry["hypotheses"]["function"], str):
         yield Fact("proved_by", {"V": quotient_text(entry["hypotheses"]), "on": rows.get("on")})
 
 
