@@ -201,7 +201,8 @@ def _of_entry(point: CheckedPoint, entry: Record | None, *, directed: bool = Fal
         return None
     facts = entry_facts(point.system, entry, directed=directed)
     if entry["theorem"] != "instability":
-        reason = "V is positive and falls along every solution"
+        in_time = ", in the time of the states" if "roots" in entry["hypotheses"] else ""
+        reason = f"V is positive and falls along every solution{in_time}"
         return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, reason, entry=entry, facts=facts)
     reason = "V falls along every solution, from negative values at all distances"
     if "speed" in entry["hypotheses"]:
