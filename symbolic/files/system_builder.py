@@ -100,7 +100,7 @@ def with_roots(system: SwitchedSystem, orders: Sequence[int]) -> SwitchedSystem:
     """A system in the signed roots of its states, which is checked at the origin.
 
     Args:
-        system: without a V of its own.
+        system: whose own V is left aside.
         orders: of the root of each state, a multiple of those that formulas ask for; 1 where it stays itself.
 
     Raises:
