@@ -21,7 +21,7 @@ from nonsmooth.proofs.findings import Fact, Record, Translation, function_facts,
 from nonsmooth.proofs.inequalities.subdivision import shared_effort
 from nonsmooth.proofs.kernel.bases import quadratic_text
 from nonsmooth.proofs.kernel.cells import BeyondReachError
-from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text
+from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text, signed_roots_of
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, cube_text
@@ -38,7 +38,6 @@ from nonsmooth.proofs.systems.findings import (
 )
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
-from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
@@ -377,7 +376,7 @@ def entry_facts(system: SwitchedSystem, entry: Record, *, directed: bool = False
     from nonsmooth.proofs.many_states.center_manifold import coordinates_in
 
     hypotheses, where = entry["hypotheses"], "the whole space"
-    cells, roots = hypotheses["cells"], signed_roots_of(system, hypotheses)
+    cells, roots = hypotheses["cells"], signed_roots_of(hypotheses, system.stated_states)
     names = coordinates_in(cells, system.states) if roots is None else roots.seen_states
     if roots is not None:
         box = ", ".join(f"abs({name}) <= {width}" for name, width in zip(names, cells["within"], strict=True))
@@ -387,12 +386,6 @@ def entry_facts(system: SwitchedSystem, entry: Record, *, directed: bool = False
     if directed:
         where += f"; V < 0 in the direction ({', '.join(hypotheses['direction'])})"
     return function_facts(quotient_text(hypotheses), where)
-
-
-def signed_roots_of(system: SwitchedSystem, hypotheses: Record) -> SignedRoots | None:
-    """The roots that a theorem has functions of; None where these are of the coordinates of the system."""
-    listed: dict[str, int] = hypotheses.get("roots") or {}
-    return SignedRoots(system.stated_states, tuple(listed), tuple(listed.values())) if listed else None
 
 
 def _of_point(point: CheckedPoint, function: ExaminedLyapunov) -> ExaminedFunction:

@@ -40,6 +40,7 @@ from nonsmooth.proofs.kernel.subject import (
 from nonsmooth.proofs.many_states.reshaped_region import find_reshaped_region
 from nonsmooth.proofs.parts import Parts
 from nonsmooth.proofs.system_facts import (
+    arrival_words,
     gain_words,
     rate_words,
     reached_words,
@@ -263,9 +264,7 @@ class Draft:
         try:
             self.add_entry(system, "lyapunov", found.entry["hypotheses"], found.entry["proofs"])
         except NotShownError as error:
-            self.left_out.append(
-                f"all solutions are at the equilibrium after {found.words(states)}: {UNSHOWN}: {error}"
-            )
+            self.left_out.append(f"{arrival_words(found, states)}: {UNSHOWN}: {error}")
 
     def add_entry(
         self, system: System, theorem: str, hypotheses: Record, known: Mapping[str, Any] | None = None

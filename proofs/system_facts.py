@@ -10,7 +10,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.findings import Fact, Quantity, Translation, function_facts, row_fact, text_fact, unsaid
-from nonsmooth.proofs.kernel.quotients import quotient_text
+from nonsmooth.proofs.kernel.quotients import quotient_text, signed_roots_of
 from nonsmooth.proofs.systems.derivatives import Supremum
 from nonsmooth.proofs.systems.domain import (
     DecayKind,
@@ -72,18 +72,14 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
         yield _roots(result, scene.by_roots.roots)
     reach = result.reach
     if reach.global_entry is not None:
-        yield row_fact("from everywhere", global_words(reach.global_entry))
+        yield row_fact("from everywhere", global_words(reach.global_entry, scene.stated_states))
     if reach.homogeneous is not None:
         own = reach.homogeneous
         record = {"weights": Quantity(own.weights), "degree": Quantity(own.degree)}
         yield Fact("homogeneous", record, str(own), row="homogeneous")
     if reach.arrival is not None:
-        yield Fact(
-            "arrival_time",
-            _arrival_record(reach.arrival),
-            arrival_words(reach, scene.stated_states),
-            row="time of arrival",
-        )
+        words = arrival_words(reach.arrival, scene.stated_states)
+        yield Fact("arrival_time", _arrival_record(reach.arrival), words, row="time of arrival")
     if reach.region is not None:
         yield row_fact("region", region_words(reach.region, states))
     if reach.reshaped is not None:
@@ -141,11 +137,10 @@ def _arrival_record(arrival: Arrival) -> dict[str, object]:
     return {**numbers, "orders": list(arrival.orders), "power": arrival.power}
 
 
-def arrival_words(reach: Reach, states: Sequence[str]) -> str:
+def arrival_words(arrival: Arrival, states: Sequence[str]) -> str:
     """After which time every solution is at the point, by the states from which it starts."""
-    bound = "" if reach.arrival is None else reach.arrival.words(states)
     start = states[0] if len(states) == 1 else f"({', '.join(states)})"
-    return f"every solution from {start} is at the equilibrium after at most {bound}"
+    return f"every solution from {start} is at the equilibrium after at most {arrival.words(states)}"
 
 
 def rewriting_words(system: SwitchedSystem, *, in_time_of_states: bool = False) -> str:
@@ -233,14 +228,13 @@ def reached_words(region: SublevelRegion, states: Sequence[str]) -> str:
     return f"every start with {region} within {cube_text(region.radius, states)} reaches the equilibrium"
 
 
-def global_words(entry: Mapping[str, Any]) -> str:
+def global_words(entry: Mapping[str, Any], states: Sequence[str]) -> str:
     """Which V shows that every start reaches the point."""
     hypotheses = entry["hypotheses"]
     function, bounded = f"V = {quotient_text(hypotheses)}", "where its level sets are bounded"
-    roots = hypotheses.get("roots")
+    roots = signed_roots_of(hypotheses, states)
     if roots is not None:
-        known = SignedRoots(tuple(roots), tuple(roots), tuple(roots.values()))
-        bounded = f"{bounded}, with {' and '.join(known.meanings)}"
+        bounded = f"{bounded}, with {' and '.join(roots.meanings)}"
     if hypotheses["second"] is None:
         return f"{function} falls in the whole space too, {bounded}"
     return f"{function} does not increase in the whole space, {bounded}, and no other solution stays where V' = 0"

@@ -19,6 +19,7 @@ Statement: TypeAlias = dict[str, Any]
 
 ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
 
+OPTIONAL = "gain proper growth denominator logarithm roots arrival"  # hypotheses of theorem ``lyapunov``
 RATES = {"finite": 0, "exponential": 1, "algebraic": 2}  # p in V' <= -kappa V^p
 
 
@@ -41,13 +42,8 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     Euclidean norm.  With ``denominator`` V is a quotient, with ``logarithm`` it holds a logarithm, with ``roots`` it is
     about roots of states (:mod:`.lyapunov`); with ``arrival`` all solutions are at the point after a time.
     """
-    names, more = (
-        "cells function second verdict everywhere level below rate",
-        "gain proper growth denominator logarithm",
-    )
-    cells, function, second, verdict, everywhere, level, below, rate, *others = take(
-        hypotheses, names, f"{more} roots arrival"
-    )
+    needed = "cells function second verdict everywhere level below rate"
+    cells, function, second, verdict, everywhere, level, below, rate, *others = take(hypotheses, needed, OPTIONAL)
     gain, proper, growth, denominator, inside, roots, arrival = others
     require(verdict in (ASYMPTOTICALLY_STABLE, STABLE), "a verdict")
     require(type(everywhere) is bool and type(below) is bool, "everywhere and below as true or false")

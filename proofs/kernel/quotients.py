@@ -37,6 +37,7 @@ from nonsmooth.proofs.kernel.search import (
 from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, vanishing_columns
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
@@ -90,6 +91,12 @@ def quotient_text(hypotheses: Record) -> str:
     if logarithm is not None:
         return f"{top} + ln(1 + {one_line(logarithm)})"
     return top if bottom is None else f"({top})/({one_line(bottom)})"
+
+
+def signed_roots_of(hypotheses: Record, states: Sequence[str]) -> SignedRoots | None:
+    """The roots of states that V of a theorem is about; None where it is about the coordinates of the system."""
+    listed: dict[str, int] = hypotheses.get("roots") or {}
+    return SignedRoots(tuple(states), tuple(listed), tuple(listed.values())) if listed else None
 
 
 def _quotients(subject: System, cube: Record) -> Iterator[tuple[str, str]]:

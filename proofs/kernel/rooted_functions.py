@@ -167,7 +167,7 @@ def balanced_units(seen: Inclusion, orders: Sequence[int]) -> tuple[Fraction, ..
 def find_function_of_states(system: SwitchedSystem) -> Entry | None:
     """The entry of a certificate that shows that the point attracts, or is unstable; None where neither is found.
 
-    A V that falls is positive if the point attracts, so nothing but its fall is asked of samples.
+    A V that falls is positive if the point attracts, and negative somewhere if not: one search serves both.
 
     Args:
         system: with rational numbers.
@@ -228,7 +228,9 @@ def _proposals(about: InRoots) -> Iterator[Function]:
             if (every @ chosen > 0).all():
                 better = _positive(np.vstack([some, few]), np.vstack([falls, every]))
                 chosen = chosen if better is None else better
-            yield from _rounded(chosen, falls, listed, about)
+            rounded = _rounded(chosen, falls)
+            if rounded is not None:
+                yield in_units(rounded, listed, about)
             break
 
 
@@ -304,13 +306,13 @@ def samples(count: int, seeds: tuple[int, ...]) -> Floats:
     return np.asarray(points / max_norms(points)[:, None])
 
 
-def _rounded(chosen: Floats, rows: Floats, listed: Sequence[Product], about: InRoots) -> Iterator[Function]:
-    """Coefficients in the shortest numbers with which all rows stay positive."""
+def _rounded(chosen: Floats, rows: Floats) -> list[Fraction] | None:
+    """Coefficients in the shortest numbers with which all rows stay positive; None where those are too long."""
     for denominator in DENOMINATORS:
         own = [Fraction(float(c)).limit_denominator(denominator) for c in chosen / np.abs(chosen).max()]
         if (rows @ np.array(own, dtype=float) > 0).all():
-            yield in_units(own, listed, about)
-            return
+            return own
+    return None
 
 
 def in_units(chosen: Sequence[Fraction], listed: Sequence[Product], about: InRoots) -> Function:

@@ -373,7 +373,7 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
     """The most starts that are certified to reach an asymptotically stable point."""
     question, reach, states = "from where", result.reach, result.scene.states
     if reach.everywhere:
-        why = "" if reach.global_entry is None else f": {global_words(reach.global_entry)}"
+        why = "" if reach.global_entry is None else f": {global_words(reach.global_entry, result.scene.stated_states)}"
         if reach.global_entry is None and reach.homogeneous is not None:
             why = f": the field is {reach.homogeneous}"
         return SystemAnswer(question, "everywhere", f"every start reaches the equilibrium{why}")
@@ -398,7 +398,7 @@ def _how_fast(result: StabilityResult) -> SystemAnswer:
     rate = "" if reach.rate is None else f"{rate_words(reach, states)}{farther}"
     if reach.homogeneous is not None and reach.homogeneous.arrives:
         if reach.arrival is not None:
-            said = [arrival_words(reach, result.scene.stated_states), f"the field is {reach.homogeneous}"]
+            said = [arrival_words(reach.arrival, result.scene.stated_states), f"the field is {reach.homogeneous}"]
         else:
             said = [f"every solution arrives, as the field is {reach.homogeneous}"]
             rate = rate or "no bound is proved"

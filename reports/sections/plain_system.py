@@ -6,13 +6,14 @@ It is of any number of states; what is told of two states alone is in :mod:`nons
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import cycle
+from typing import Any
 
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
-from nonsmooth.proofs.kernel_strategies import signed_roots_of
+from nonsmooth.proofs.kernel.quotients import signed_roots_of
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
 from nonsmooth.proofs.parts import Parts, names_of
 from nonsmooth.proofs.system_facts import (
@@ -140,7 +141,7 @@ def system_section(subject: SystemSubject) -> Section:
 def _system_in_time_of_states(subject: SystemSubject) -> Section:
     """The formulas as they were written, and of which roots of states V is a function."""
     system, entry = subject.scene, subject.result.deciding.entry
-    roots = None if entry is None else signed_roots_of(system, entry["hypotheses"])
+    roots = None if entry is None else signed_roots_of(entry["hypotheses"], system.stated_states)
     if roots is None:
         raise TypeError("required a V about roots of states")
     stated = [_formulas(system.stated_states, formulas) for formulas in stated_lists(system)]
@@ -241,12 +242,7 @@ def _function_of_states(subject: SystemSubject) -> Section:
     entry = subject.result.deciding.entry
     if entry is None:
         raise TypeError("required a V with evidence")
-    counted = Counter[tuple[str, str]]()
-    for name, evidence in entry["proofs"].items():
-        kind = INEQUALITIES.get((name.split()[0], True))
-        if kind is not None:
-            counted[kind, EVIDENCE[next(iter(evidence))]] += 1
-    rows: list[list[Entry]] = [[inequality, str(count), kind] for (inequality, kind), count in counted.items()]
+    rows = _counted((name, True, evidence) for name, evidence in entry["proofs"].items())
     words = (
         "{} falls along the velocities of the states{}. Its derivative by a state x is that by root_x over {}, q the "
         "order of the root: again a polynomial on each cell."
@@ -254,7 +250,7 @@ def _function_of_states(subject: SystemSubject) -> Section:
     where = " where it is not positive" if entry["theorem"] == "instability" else ""
     function, speed = Code(f"V = {entry['hypotheses']['function']}"), Code("q*Abs(root_x)**(q - 1)")
     blocks: list[Block] = [paragraph(words, function, where, speed), paragraph("{}", CLAIMED)]
-    blocks.append(table(("inequality", "how often", "shown by"), rows, (0.5, 0.15, 0.35)))
+    blocks.append(table(("inequality", "how often", "shown by"), list(rows), (0.5, 0.15, 0.35)))
     return Section("A Lyapunov function", tuple(blocks))
 
 
@@ -269,13 +265,19 @@ def _meaning(subject: SystemSubject, shown: ExaminedFunction) -> str:
 
 def _shown_claims(shown: ExaminedLyapunov) -> Iterator[list[Entry]]:
     """How many inequalities of each kind are shown by each kind of evidence."""
+    found = ((own.claim.name, own.found) for own in shown.asked if own.found is not None)
+    return _counted((name, own.strict, own.evidence) for name, own in found)
+
+
+def _counted(shown: Iterable[tuple[str, bool, Mapping[str, Any]]]) -> Iterator[list[Entry]]:
+    """The inequalities about V among claims, of which name, strictness and evidence are given."""
     counted = Counter[tuple[str, str]]()
-    for own in shown.asked:
-        if own.found is not None:
-            kind, evidence = own.claim.name.split()[0], next(iter(own.found.evidence))
-            counted[INEQUALITIES[kind, own.found.strict], EVIDENCE[evidence]] += 1
-    for (inequality, evidence), count in counted.items():
-        yield [inequality, str(count), evidence]
+    for name, strict, evidence in shown:
+        inequality = INEQUALITIES.get((name.split()[0], strict))
+        if inequality is not None:
+            counted[inequality, EVIDENCE[next(iter(evidence))]] += 1
+    for (inequality, kind), count in counted.items():
+        yield [inequality, str(count), kind]
 
 
 def parts_section(subject: SystemSubject) -> Section:
