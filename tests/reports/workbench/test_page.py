@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -479,15 +480,14 @@ def test_an_array_without_cells_says_why_and_shows_the_rest(page: Page) -> None:
     text = "".join(f"{json.dumps(stage)}\n" for stage in stages)
     page.route("**/api/view", lambda route: route.fulfill(body=text, content_type="application/x-ndjson"))
     edited(page, lambda: page.select_option("#rule", "box"))
-    page.locator("#error", has_text=line).wait_for()
-    assert page.locator("#status").inner_text() == "not checked: see the message"
-    assert [word.inner_text() for word in page.locator(".answer-word").all()] == ["…"] * 3
-    assert page.locator(".layer-cells path").count() == 0
-    assert page.locator(".layer-wheels .wheel").count() == 4
-    assert page.locator("#how").inner_text() == "no cells: they take too long"
-    rows = [row.inner_text().split() for row in page.locator("#rules-body tr").all()]
-    assert rows == [["box", "not", "checked"], ["nearest", "leaves"]]
-    page.unroute("**/api/view")
+    expect(page.locator("#error")).to_have_text(line)
+    expect(page.locator("#status")).to_have_text("not checked: see the message")
+    expect(page.locator(".answer-word")).to_have_text(["…"] * 3)
+    expect(page.locator(".layer-cells path")).to_have_count(0)
+    expect(page.locator(".layer-wheels .wheel")).to_have_count(4)
+    expect(page.locator("#how")).to_have_text("no cells: they take too long")
+    rows = [re.compile(r"box\s*not checked"), re.compile(r"nearest\s*leaves")]
+    expect(page.locator("#rules-body tr")).to_have_text(rows)
 
 
 def test_layers_are_hidden_and_the_view_is_moved(page: Page) -> None:
