@@ -382,13 +382,25 @@ def test_bodies_with_inertia_settle_sooner(invoke: Invoke, tmp_path: Path) -> No
     assert 'contact.rule: required "nearest", of which the margin of feedback is known' in refused.err
 
 
-def test_a_design_for_headings_that_return(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+SQUEEZE = """
+name = "squeeze"
+units = { length = "mm", speed = "m/s" }
+friction = { mu_roll = 0.8, mu_side = 0.8 }
+contact = { rule = "ellipse" }
+grid = { rows = 8, columns = 8, pitch = 60 }
+field = { kind = "elliptic", a = 1, b = 2, speed = 0.1 }
+body = { shape = "rectangle", width = 330, height = 130, heading = "7 deg" }
+"""
+
+
+def test_a_design_for_headings_that_return(invoke: Invoke, tmp_path: Path) -> None:
     """The value is the widest arc that ``simulate --headings`` finds; a body without a shape has none."""
-    monkeypatch.setattr("nonsmooth.reports.designs.search.HEADINGS", 8)
-    found = invoke("design", "carton-on-6x6", "--rule", "ellipse", "--maximize", "heading", "--checks", "1", "--json")
-    sampled = invoke("simulate", "carton-on-6x6", "--rule", "ellipse", "--headings", "8", "--json").record
+    (tmp_path / "squeeze.toml").write_text(SQUEEZE)
+    scene = str(tmp_path / "squeeze.toml")
+    found = invoke("design", scene, "--maximize", "heading", "--checks", "1", "--json")
+    sampled = invoke("simulate", scene, "--headings", "36", "--json").record
     widths = [math.degrees(arc["last"] - arc["first"]) for arc in sampled["arcs"] if arc["returns"]]
-    assert found.record["given"]["value"] == pytest.approx(max(widths, default=0.0))
+    assert found.record["given"]["value"] == pytest.approx(max(widths)) != 0
     refused = invoke("design", "four-wheel", "--maximize", "heading")
     assert (refused.status, "a body with a shape" in refused.err) == (2, True)
 
