@@ -29,7 +29,7 @@ FINENESS = 0.03  # of a step, in distances from the point
 STARTS, STEPS = 16, 200
 NEARER = 0.1  # of a distance: nearer none comes from outside of a polygon
 TIME, LONGEST = 0.02, 5.0  # a step and all of them, where steps are equal
-SLOW = 1e8  # of a time: a solution of x' = x**5 that starts at 1/100 is gone by then
+SLOW = 1e18  # of a time: a solution of x' = x**9 that starts at 1/100 is gone by then
 MOST_STEPS = 2000
 PATIENT = 50  # times as long, where slides lead outward like y**3: none of the other polygons sees that
 
@@ -114,7 +114,8 @@ class FloatInclusion:
         self.states, self.count = subject["states"], len(subject["states"])
         self.numbers = numbers_of(subject)
         self.at = np.array([number(own, list(self.numbers.values())) for own in subject["at"]])
-        self.fields = [[formula_of(own) for own in side] for side in subject["rhs"]]
+        different = dict.fromkeys(map(tuple, subject["rhs"]))
+        self.fields = [[formula_of(own) for own in side] for side in different]
         self.leaves_slowly = len(self.fields) > 1 and bool(SLOWLY_OUT.search(str(subject["rhs"])))
         self.random = np.random.default_rng(seed)
 
@@ -187,7 +188,7 @@ class FloatInclusion:
 
         found = 0.0
         for start in starts:
-            solver, steps = LSODA(velocity, 0.0, start, SLOW, rtol=1e-8), 0
+            solver, steps = LSODA(velocity, 0.0, start, SLOW, rtol=1e-8, atol=1e-12), 0
             while solver.status == "running" and found < furthest and steps < MOST_STEPS:
                 solver.step()
                 found, steps = max(found, float(np.linalg.norm(solver.y))), steps + 1
