@@ -36,8 +36,8 @@ from nonsmooth.proofs.systems.findings import (
     PlaneFunction,
     weak_finding,
 )
-from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite

@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from nonsmooth.proofs.checker.formulas import exact_tree
 from nonsmooth.proofs.checker.parts import jumps, names_in
 from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative, variable
 from nonsmooth.proofs.kernel.bounds import formula
@@ -19,8 +18,7 @@ from nonsmooth.proofs.kernel.cells import SignCells, adjoining, stated_cells
 from nonsmooth.proofs.systems.findings import DecidedSystem
 from nonsmooth.symbolic.files.system_builder import part_of, stated_lists
 from nonsmooth.symbolic.files.system_document import with_parameters
-from nonsmooth.symbolic.formulas.expression import parse_tree
-from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
+from nonsmooth.symbolic.formulas.trees import formula_tree, tidied, written
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
@@ -123,25 +121,14 @@ def _trees(system: SwitchedSystem) -> Iterator[tuple[str, ast.expr]]:
     """The right-hand sides with the names of their states."""
     for formulas in stated_lists(system):
         for name, text in zip(system.stated_states, formulas, strict=True):
-            yield name, exact_tree(parse_tree(text, MAX_TEXT, "a formula")[0])
+            yield name, formula_tree(text)
 
 
 def _plain_sides(system: SwitchedSystem) -> Iterator[list[tuple[str, str]]]:
     """Each right-hand side by states, without brackets that say nothing."""
-    written = [(name, ast.unparse(_without_zeros(tree))) for name, tree in _trees(system)]
-    written = [(name, text.replace(" ** ", "**").replace(" * ", "*")) for name, text in written]
+    sides = [(name, written(tidied(tree))) for name, tree in _trees(system)]
     count = len(system.states)
-    yield from (written[k : k + count] for k in range(0, len(written), count))
-
-
-def _without_zeros(tree: ast.expr) -> ast.expr:
-    """A sum without the zeros that stand for states at the point."""
-    match tree:
-        case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=ast.Constant(value=0)):
-            return _without_zeros(left)
-        case ast.BinOp(left=left, op=op, right=right) if isinstance(op, ast.Add | ast.Sub):
-            return ast.BinOp(_without_zeros(left), op, right)
-    return tree
+    yield from (sides[k : k + count] for k in range(0, len(sides), count))
 
 
 def _under_jumps(tree: ast.AST) -> set[str]:

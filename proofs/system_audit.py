@@ -47,8 +47,9 @@ from nonsmooth.proofs.systems.domain import Domain, domains, plane_cells
 from nonsmooth.proofs.systems.findings import ExaminedFunction, PlaneFunction
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.files.system_document import with_parameters
-from nonsmooth.symbolic.formulas.expression import ExpressionError, formula_refused
+from nonsmooth.symbolic.formulas.expression import formula_refused
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.messages.scene_error import SceneError

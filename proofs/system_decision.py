@@ -28,8 +28,8 @@ from nonsmooth.proofs.systems.findings import (
     Strategy,
 )
 from nonsmooth.symbolic.files.system_builder import with_order, without_waves
-from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import SignOf, parse_piecewise
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.messages.under_way import tell

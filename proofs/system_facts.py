@@ -30,8 +30,8 @@ from nonsmooth.proofs.systems.findings import (
     Reach,
 )
 from nonsmooth.symbolic.formulas.enclosed_functions import kinds_text
-from nonsmooth.symbolic.formulas.formula_text import tidied
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
+from nonsmooth.symbolic.formulas.trees import tidied, written
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
@@ -156,7 +156,7 @@ def rewriting_words(system: SwitchedSystem, *, in_time_of_states: bool = False) 
         said.append(f"with {' and '.join(roots.meanings)}, in a time that passes {roots.time_scale} times slower")
     if system.scale is not None:
         said.append(
-            f"multiplied by {tidied(one_line(system.scale.text))}, which is positive on the square: other speeds"
+            f"multiplied by {written(tidied(system.scale.tree))}, which is positive on the square: other speeds"
         )
     enclosed = []
     if system.waves:

@@ -46,7 +46,7 @@ from nonsmooth.proofs.systems.scalar_stability import clear_distance, within
 from nonsmooth.proofs.systems.search import search_lyapunov
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.plane import cross
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem

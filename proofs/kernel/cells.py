@@ -36,9 +36,9 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError, about, polynomia
 from nonsmooth.proofs.kernel.written import as_checked, written_number
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import prove_positive
-from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.formulas.surfaces import factorize, switching_factors
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats

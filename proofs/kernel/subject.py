@@ -18,8 +18,9 @@ from itertools import product
 from typing import Any
 
 from nonsmooth.proofs.findings import Generators, Record
-from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO, Wave, in_place_of_names
+from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO, Wave
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.formulas.trees import formula_tree, with_names, written
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import bits
 from nonsmooth.symbolic.numbers.number import Number, Tower
@@ -167,9 +168,10 @@ def _terms(side: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[
     """
     waves = {own.name: f"{own.kind}({_argument_text(own, system)})" for own in system.names}
     if side.switching_parts:
-        text = one_line(side.text)
-        can_be_written = not NUMBERS.search(in_place_of_names(text, dict.fromkeys(waves, "w")))
-        yield ["1"] if can_be_written else [], f"({in_place_of_names(text, waves)})"
+        names = dict.fromkeys(waves, ast.Name("w"))
+        can_be_written = not NUMBERS.search(written(with_names(side.tree, names)))
+        meant = with_names(side.tree, {name: formula_tree(text) for name, text in waves.items()})
+        yield ["1"] if can_be_written else [], f"({written(meant)})"
         return
     factors = {name: name for name in system.states} | waves
     values = {name: Polynomial.variable(system.field, tuple(factors), name) for name in factors}

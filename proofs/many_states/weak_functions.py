@@ -12,7 +12,6 @@ is proposed is proved, or is dropped.  A relay that gains energy, ``x' = y, y' =
 from __future__ import annotations
 
 import operator
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -72,10 +71,10 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
 from nonsmooth.proofs.systems.energies import energy_near
-from nonsmooth.symbolic.formulas.enclosed_functions import TURNING, Wave, in_place_of_names
-from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.enclosed_functions import TURNING, Wave
 from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
+from nonsmooth.symbolic.formulas.trees import ExpressionError, formula_tree, names_of, with_names, written
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.coefficients import as_fraction, fmpq_to_float
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -441,13 +440,10 @@ def _text(side: PiecewiseExpression, waves: Mapping[str, Polynomial], others: Se
     Raises:
         ExpressionError: where it names another state than these.
     """
-    text = one_line(side.text)
-    left = parse_piecewise(in_place_of_names(text, dict.fromkeys(waves, "0")), side.states)
     states = {name for name in side.states if name not in waves}
-    used = set(re.findall(r"[A-Za-z_][A-Za-z0-9_]*", left.text)) & states
-    if not used <= set(others):
+    if not names_of(side.tree) & states <= set(others):
         raise ExpressionError("required angles under sines and cosines alone")
-    return in_place_of_names(text, {name: f"({value})" for name, value in waves.items()})
+    return written(with_names(side.tree, {name: formula_tree(str(value)) for name, value in waves.items()}))
 
 
 # ---- polynomials that all solutions near a point keep --------------------------------------------

@@ -23,8 +23,8 @@ from typing import TypeAlias
 from flint import fmpq, fmpq_poly
 
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, formula_text, monomial
-from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

@@ -51,8 +51,8 @@ from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, exami
 from nonsmooth.proofs.systems.domain import Domain, plane_cells
 from nonsmooth.proofs.systems.energies import falling_energies
 from nonsmooth.proofs.systems.findings import PlaneFunction
-from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite

@@ -28,7 +28,7 @@ from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.files.documents import deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_file import build_scene, one_by_one
 from nonsmooth.symbolic.files.scene_values import read_exact
-from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line

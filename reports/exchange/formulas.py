@@ -17,7 +17,6 @@ from functools import reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nonsmooth.reports.exchange.reading import Reading
-from nonsmooth.symbolic.formulas.expression import OPERATIONS, decimal_value, parse_tree
 from nonsmooth.symbolic.formulas.formula_text import (
     difference_text,
     first_that_holds,
@@ -25,7 +24,8 @@ from nonsmooth.symbolic.formulas.formula_text import (
     indicator,
     product_text,
 )
-from nonsmooth.symbolic.formulas.piecewise import EXTREMES, MAX_TEXT, SIGNS
+from nonsmooth.symbolic.formulas.piecewise import EXTREMES, SIGNS
+from nonsmooth.symbolic.formulas.trees import OPERATIONS, formula_tree, literal_value
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 
 if TYPE_CHECKING:
@@ -51,32 +51,31 @@ class Target:
     functions: Mapping[str, Callable[..., Any]]
     operators: Mapping[type, Callable[..., Any]]
 
-    def written(self, node: ast.expr, text: str, names: Mapping[str, Any]) -> Any:
+    def written(self, node: ast.expr, names: Mapping[str, Any]) -> Any:
         """A part of a formula in the target.
 
         Args:
             node: the part.
-            text: of the whole formula, in which decimals stand as they were written.
             names: what stands for each state.
         """
         match node:
             case ast.Constant():
-                return self.number(decimal_value(ast.get_source_segment(text, node) or ""))
+                return self.number(literal_value(node))
             case ast.Name(id=name):
                 return self.pi if name == "pi" and name not in names else names[name]
             case ast.UnaryOp(op=ast.USub()):
-                return self.operators[ast.USub](self.written(node.operand, text, names))
+                return self.operators[ast.USub](self.written(node.operand, names))
             case ast.UnaryOp():
-                return self.written(node.operand, text, names)
+                return self.written(node.operand, names)
             case ast.BinOp(op=ast.Pow()):
                 is_whole = isinstance(node.right, ast.Constant)
-                exponent = ast.literal_eval(node.right) if is_whole else self.written(node.right, text, names)
-                return self.operators[ast.Pow](self.written(node.left, text, names), exponent)
+                exponent = ast.literal_eval(node.right) if is_whole else self.written(node.right, names)
+                return self.operators[ast.Pow](self.written(node.left, names), exponent)
             case ast.BinOp():
-                sides = (self.written(side, text, names) for side in (node.left, node.right))
+                sides = (self.written(side, names) for side in (node.left, node.right))
                 return self.operators[type(node.op)](*sides)
             case ast.Call(func=ast.Name(id=name)):
-                return self._called(name, [self.written(argument, text, names) for argument in node.args])
+                return self._called(name, [self.written(argument, names) for argument in node.args])
         raise TypeError(f"required a formula, received {ast.dump(node)}")
 
     def _called(self, name: str, arguments: list[Any]) -> Any:
@@ -196,9 +195,8 @@ _NAMED = ("Abs", "Max", "Min", "sqrt", *SMOOTH)
 
 
 def _formula(target: Target, text: str, names: Mapping[str, Any]) -> Any:
-    stated, tree = parse_tree(text, MAX_TEXT, "a formula")
     try:
-        return target.written(tree, stated, names)
+        return target.written(formula_tree(text), names)
     except OverflowError:
         raise SceneError(text, "", "numbers within the range of floats", StatedFact("another")) from None
 

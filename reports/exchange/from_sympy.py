@@ -12,7 +12,6 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.reports.exchange.reading import Reading, fraction_text
-from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.formula_text import (
     ONE,
     ZERO,
@@ -26,6 +25,7 @@ from nonsmooth.symbolic.formulas.formula_text import (
     sum_text,
 )
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 
 if TYPE_CHECKING:
     import sympy

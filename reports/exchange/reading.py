@@ -19,7 +19,7 @@ from numbers import Integral, Rational, Real
 from typing import Any
 
 from nonsmooth.symbolic.formulas.formula_text import in_parentheses
-from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
+from nonsmooth.symbolic.formulas.trees import MAX_TEXT
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 

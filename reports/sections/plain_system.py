@@ -59,7 +59,7 @@ from nonsmooth.reports.sections.plane_system import (
 from nonsmooth.reports.simulations.paths import SystemPath, follow_system
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.system_builder import stated_lists
-from nonsmooth.symbolic.formulas.formula_text import tidied
+from nonsmooth.symbolic.formulas.trees import tidied, written
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 
@@ -133,8 +133,11 @@ def system_section(subject: SystemSubject) -> Section:
         blocks.append(paragraph("The field is any of these {}, or a mixture, at any time:", str(len(members))))
     if system.overlaps:
         blocks.append(paragraph("They differ only where tables of regions overlap: each takes another table first."))
-    shown = tidied if system.written else str  # formulas of the user stay as they are
-    blocks += [_formulas(system.states, [shown(rhs.text) for rhs in member.rhs]) for member in members]
+    for member in members:
+        texts = [rhs.text for rhs in member.rhs]
+        if system.written:  # formulas of the user stay as they are
+            texts = [written(tidied(rhs.tree)) for rhs in member.rhs]
+        blocks.append(_formulas(system.states, texts))
     return Section("The system", (*blocks, where))
 
 

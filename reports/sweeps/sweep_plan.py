@@ -16,7 +16,8 @@ from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.files.key_paths import Path, find_path, path_text
 from nonsmooth.symbolic.files.scene_values import read_exact
-from nonsmooth.symbolic.formulas.expression import Expression, ExpressionError
+from nonsmooth.symbolic.formulas.expression import Expression
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.mechanics.units import AngleUnit
 from nonsmooth.symbolic.messages.scene_error import requirement, shown
 

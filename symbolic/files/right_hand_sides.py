@@ -20,8 +20,9 @@ from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
 from nonsmooth.symbolic.files.system_document import names_in, parameter_texts, with_parameters
 from nonsmooth.symbolic.formulas.cleared_fractions import Clearing, float_value
 from nonsmooth.symbolic.formulas.enclosed_functions import Wave, enclosing_formulas, named_formulas
-from nonsmooth.symbolic.formulas.expression import ExpressionError, formula_refused, parse_tree
-from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, parse_piecewise
+from nonsmooth.symbolic.formulas.expression import formula_refused
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.symbolic.formulas.trees import ExpressionError, formula_tree, names_of
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 
@@ -243,7 +244,7 @@ def require_affine(formula: object, intervals: Mapping[str, Any], file: str, key
         SceneError: for such a formula; one that cannot be parsed is left to the parser.
     """
     try:
-        tree = parse_tree(formula, MAX_TEXT, "a formula")[1]
+        tree = formula_tree(formula)
     except ExpressionError:
         return
     for name in intervals:
@@ -264,5 +265,4 @@ def _degree(node: ast.AST, name: str) -> int:
             return _degree(node.left, name) + _degree(node.right, name)
         case ast.BinOp(op=ast.Div()) if not _degree(node.right, name):
             return _degree(node.left, name)
-    inside = any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(node))
-    return NOT_AFFINE if inside else 0
+    return NOT_AFFINE if name in names_of(node) else 0

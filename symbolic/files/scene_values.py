@@ -18,14 +18,9 @@ from flint import arb, ctx
 from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationError, ValidationInfo
 from pydantic.fields import FieldInfo
 
-from nonsmooth.symbolic.formulas.expression import (
-    Expression,
-    ExpressionError,
-    decimal_value,
-    formula_refused,
-    parse,
-)
+from nonsmooth.symbolic.formulas.expression import Expression, formula_refused, parse
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.formulas.trees import ExpressionError, decimal_value
 from nonsmooth.symbolic.mechanics.units import AngleUnit
 from nonsmooth.symbolic.messages import removed
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, is_meant, requirement, shown

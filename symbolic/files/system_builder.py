@@ -28,9 +28,10 @@ from nonsmooth.symbolic.files.system_document import (
 )
 from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
 from nonsmooth.symbolic.formulas.enclosed_functions import LISTED, TURNING, has_waves
-from nonsmooth.symbolic.formulas.expression import ExpressionError, formula_refused, parse, parse_tree
-from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.formulas.expression import formula_refused, parse
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in, signed_root
+from nonsmooth.symbolic.formulas.trees import ExpressionError, formula_tree, written
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
@@ -231,15 +232,12 @@ def _quotient(
         SceneError: for parts that are no formulas of the states.
     """
     try:
-        text, tree = parse_tree(formula, MAX_TEXT, "a formula")
+        tree = formula_tree(formula)
     except ExpressionError:
         return None
     if not isinstance(tree, ast.BinOp) or not isinstance(tree.op, ast.Div) or len(states) == 1:
         return None
-    top, bottom = (
-        parse_lyapunov(ast.get_source_segment(text, part), states, file, "check.lyapunov")
-        for part in (tree.left, tree.right)
-    )
+    top, bottom = (parse_lyapunov(written(part), states, file, "check.lyapunov") for part in (tree.left, tree.right))
     if top.is_constant(top.tree) or bottom.is_constant(bottom.tree):
         return None
     if bottom.switching_parts:

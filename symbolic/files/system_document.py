@@ -19,18 +19,17 @@ from nonsmooth.symbolic.formulas.enclosed_functions import WAVES
 from nonsmooth.symbolic.formulas.expression import formula_refused, with_whole_exponents
 from nonsmooth.symbolic.formulas.formula_text import first_that_holds, indicator, product_text
 from nonsmooth.symbolic.formulas.piecewise import NUMBERS, SWITCHES
+from nonsmooth.symbolic.formulas.trees import ExpressionError, formula_tree, names_of, with_names, written
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 # ---- named parameters of a plain system: numbers that stand in its formulas by name --------------
 #
-# A formula is rewritten as text before it is parsed: every parameter's name is replaced by its value, so
-# results, reports and certificates show formulas that are complete by themselves.
+# In a formula every parameter's name is replaced by its value before anything else is done, so results, reports and
+# certificates show formulas that are complete by themselves.
 
 
 MAX_PARAMETERS = 40
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
-_PLAIN = re.compile(r"\d+(\.\d+)?")
-_NAMES_IN_FORMULA = re.compile(r"(?<![\w.])[A-Za-z_]\w*")  # not the exponent of 1e5
 
 
 def read_parameters(value: object) -> dict[str, Any]:
@@ -62,8 +61,7 @@ def parameter_texts(parameters: Mapping[str, Any], taken: Collection[str], file:
         key = f"system.parameters.{name}"
         if not NAME.fullmatch(name) or name in taken:
             raise SceneError(file, key, "a name that is no state and no function", name)
-        text = _text(value, file, key)
-        texts[name] = text if _PLAIN.fullmatch(text) else f"({text})"
+        texts[name] = _text(value, file, key)
     return texts
 
 
@@ -74,18 +72,27 @@ def _text(value: Any, file: str, key: str) -> str:
 
 
 def with_parameters(formula: object, texts: Mapping[str, str]) -> object:
-    """A formula with its parameters replaced, and exponents in digits.
+    """A formula with its parameters replaced, and whole exponents in digits.
 
-    What is no text stays as it is, for the parser to refuse.
+    A formula that has neither, and what is none, stays as it is written.
     """
     if not isinstance(formula, str):
         return formula
-    return with_whole_exponents(_NAMES_IN_FORMULA.sub(lambda match: texts.get(match.group(), match.group()), formula))
+    try:
+        tree = formula_tree(formula)
+        values = {name: formula_tree(texts[name]) for name in names_of(tree) & texts.keys()}
+        found = written(with_whole_exponents(with_names(tree, values)))
+        return formula if found == written(tree) else found
+    except ExpressionError:
+        return formula
 
 
 def names_in(formula: object) -> set[str]:
     """All names in a formula."""
-    return set(_NAMES_IN_FORMULA.findall(formula)) if isinstance(formula, str) else set()
+    try:
+        return names_of(formula_tree(formula))
+    except ExpressionError:
+        return set()
 
 
 # ---- the document --------------------------------------------------------------------------------

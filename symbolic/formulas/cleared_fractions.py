@@ -15,8 +15,21 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from nonsmooth.symbolic.formulas.enclosed_functions import has_waves
-from nonsmooth.symbolic.formulas.expression import OPERATIONS, ExpressionError, parse_tree
-from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, SIGNS, SWITCHES
+from nonsmooth.symbolic.formulas.piecewise import SIGNS, SWITCHES
+from nonsmooth.symbolic.formulas.trees import (
+    MAX_TEXT,
+    ONE,
+    OPERATIONS,
+    ExpressionError,
+    called,
+    formula_tree,
+    minus,
+    multiplied,
+    parse_tree,
+    power,
+    quotient,
+    written,
+)
 from nonsmooth.symbolic.messages.scene_error import shown
 
 # ---- the value of a formula in floats ------------------------------------------------------------
@@ -76,14 +89,11 @@ def float_value(node: ast.expr, values: Mapping[str, float], text: str) -> float
 # ---- fractions -----------------------------------------------------------------------------------
 
 
-_OPERATORS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-"}
-
-
 @dataclass(frozen=True)
 class Fraction:
-    """A formula as a numerator over a product of denominators, as texts."""
+    """A formula as a numerator over a product of denominators, which are texts, so that equal ones are seen."""
 
-    top: str
+    top: ast.expr
     bottom: Counter[str] = field(default_factory=Counter)
 
 
@@ -129,18 +139,19 @@ class Clearing:
             every |= part.bottom
         # A field that is no cone by its factors is none by accident either: cones claim the whole plane.
         extra = Counter() if all(map(_is_sum_of_squares, every)) else Counter(list(every))
-        cleared = tuple(_times(part.top, every - part.bottom + extra) for part in found)
-        return Cleared(cleared, tuple(every), _times("1", every + extra))
+        cleared = tuple(written(_times(part.top, every - part.bottom + extra)) for part in found)
+        return Cleared(cleared, tuple(every), written(_times(ONE, every + extra)))
 
     def _has_fraction(self, formula: object) -> bool:
         try:
-            tree = parse_tree(formula, MAX_TEXT, "a formula")[1]
+            return self._divides(formula_tree(formula))
         except ExpressionError:
             return False
-        return any(
-            isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and self._moves(node.right)
-            for node in ast.walk(tree)
-        )
+
+    def _divides(self, node: ast.expr) -> bool:
+        """Whether a part holds a fraction with a state in its denominator."""
+        parts = (part for part in ast.walk(node) if isinstance(part, ast.BinOp) and isinstance(part.op, ast.Div))
+        return any(self._moves(part.right) for part in parts)
 
     def _moves(self, node: ast.AST) -> bool:
         """Whether a part holds a state outside of ``sign``: elsewhere it is a number on each cell."""
@@ -151,21 +162,21 @@ class Clearing:
         return any(map(self._moves, ast.iter_child_nodes(node)))
 
     def _fraction(self, node: ast.expr, text: str) -> Fraction:
-        if not any(isinstance(n, ast.BinOp) and isinstance(n.op, ast.Div) and self._moves(n) for n in ast.walk(node)):
-            return Fraction(f"({ast.get_source_segment(text, node)})")
+        if not self._divides(node):
+            return Fraction(node)
         match node:
             case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
                 inner = self._fraction(node.operand, text)
-                return Fraction(f"(-{inner.top})", inner.bottom) if isinstance(node.op, ast.USub) else inner
-            case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(power))) if power > 0:
+                return Fraction(minus(inner.top), inner.bottom) if isinstance(node.op, ast.USub) else inner
+            case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(whole))) if whole > 0:
                 inner = self._fraction(node.left, text)
-                return Fraction(f"({inner.top}**{power})", Counter({d: k * power for d, k in inner.bottom.items()}))
+                return Fraction(power(inner.top, whole), Counter({d: k * whole for d, k in inner.bottom.items()}))
             case ast.BinOp(op=ast.Add() | ast.Sub()):
-                tops, bottom = self._common([node.left, node.right], text)
-                return Fraction(f"({tops[0]} {_OPERATORS[type(node.op)]} {tops[1]})", bottom)
+                (left, right), bottom = self._common([node.left, node.right], text)
+                return Fraction(ast.BinOp(left, node.op, right), bottom)
             case ast.BinOp(op=ast.Mult()):
-                left, right = (self._fraction(side, text) for side in (node.left, node.right))
-                return Fraction(f"({left.top}*{right.top})", left.bottom + right.bottom)
+                first, second = (self._fraction(side, text) for side in (node.left, node.right))
+                return Fraction(multiplied(first.top, second.top), first.bottom + second.bottom)
             case ast.BinOp(op=ast.Div()):
                 return self._quotient(node, text)
             case ast.Call(func=ast.Name(id=name), keywords=[]) if name in SWITCHES:
@@ -175,25 +186,27 @@ class Clearing:
     def _quotient(self, node: ast.BinOp, text: str) -> Fraction:
         left = self._fraction(node.left, text)
         if not self._moves(node.right):
-            return Fraction(f"({left.top}/({ast.get_source_segment(text, node.right)}))", left.bottom)
+            return Fraction(quotient(left.top, node.right), left.bottom)
         right = self._fraction(node.right, text)
-        if right.bottom or has_waves(right.top):
+        bottom = written(right.top)
+        if right.bottom or has_waves(bottom):
             raise ExpressionError(
                 f"required no fraction and no sine of states in a denominator, received {shown(text)}"
             )
-        value = float_value(parse_tree(right.top, MAX_TEXT, "a formula")[1], self.point, text)
+        value = float_value(right.top, self.point, text)
         if not value:
             raise ExpressionError(f"required denominators that are not zero at the checked point, received {text}")
-        side = "" if value > 0 else "-"
-        return Fraction(f"({side}{left.top})", left.bottom + Counter([f"({side}{right.top})"]))
+        if value > 0:
+            return Fraction(left.top, left.bottom + Counter([bottom]))
+        return Fraction(minus(left.top), left.bottom + Counter([written(minus(right.top))]))
 
     def _switching(self, name: str, arguments: Sequence[ast.expr], text: str) -> Fraction:
         """Positive denominators go through: all these functions but sign are homogeneous of degree one."""
         tops, bottom = self._common(arguments, text)
-        joined = f"{name}({', '.join(tops)})"
+        joined = called(name, *tops)
         return Fraction(joined) if name in SIGNS else Fraction(joined, bottom)
 
-    def _common(self, nodes: Sequence[ast.expr], text: str) -> tuple[list[str], Counter[str]]:
+    def _common(self, nodes: Sequence[ast.expr], text: str) -> tuple[list[ast.expr], Counter[str]]:
         """Numerators over one product of denominators."""
         parts = [self._fraction(node, text) for node in nodes]
         bottom: Counter[str] = Counter()
@@ -202,13 +215,13 @@ class Clearing:
         return [_times(part.top, bottom - part.bottom) for part in parts], bottom
 
 
-def _times(top: str, factors: Counter[str]) -> str:
-    return "*".join([top, *sorted(factors.elements())])
+def _times(top: ast.expr, factors: Counter[str]) -> ast.expr:
+    return multiplied(top, *map(formula_tree, sorted(factors.elements())))
 
 
 def _is_sum_of_squares(text: str) -> bool:
     """Whether a denominator is written as a positive number and even powers with plus signs: positive everywhere."""
-    terms = _terms(parse_tree(text, MAX_TEXT, "a formula")[1])
+    terms = _terms(formula_tree(text))
     numbers = [term.value for term in terms if isinstance(term, ast.Constant)]
     return all(map(_is_square, terms)) and any(isinstance(own, int | float) and own > 0 for own in numbers)
 

@@ -21,7 +21,6 @@ In other files *sines* (or *waves*) stand for all five functions, unless turns o
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -29,8 +28,28 @@ from functools import cache
 from itertools import product
 from math import factorial
 
-from nonsmooth.symbolic.formulas.expression import ExpressionError, parse_tree, turn_of
-from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
+from nonsmooth.symbolic.formulas.expression import turn_of
+from nonsmooth.symbolic.formulas.trees import (
+    MAX_TEXT,
+    ONE,
+    OPERATIONS,
+    ZERO,
+    ExpressionError,
+    called,
+    formula_tree,
+    minus,
+    multiplied,
+    names_of,
+    number,
+    parse_tree,
+    plus,
+    power,
+    quotient,
+    tidied,
+    total,
+    with_names,
+    written,
+)
 from nonsmooth.symbolic.messages.scene_error import shown
 
 TURNING = ("sin", "cos")
@@ -38,7 +57,6 @@ TERMS = {"sin": 3, "cos": 4, "tanh": 3, "atan": 3, "exp": 3}  # of the series, t
 WAVES = tuple(TERMS)
 ONE_AT_ZERO = ("cos", "exp")
 MAX_WAVES = 5  # in one right-hand side: two to this power polynomials
-_OPERATORS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
 _NUMBERS = {"pi", "sqrt", *WAVES}
 LISTED = "sin, cos, tanh, atan and exp"
 
@@ -60,7 +78,7 @@ class Wave:
 
 @dataclass
 class Template:
-    """Formulas in which sines and the like of states are written as polynomials with a place for each e.
+    """Formulas in which sines and the like of states are polynomials with a name for each e.
 
     Attributes:
         waves: one for each e.
@@ -70,17 +88,25 @@ class Template:
     waves: list[Wave] = field(default_factory=list)
     order: int = 0
 
-    def wave(self, kind: str, v: str) -> str:
+    def wave(self, kind: str, v: ast.expr) -> ast.expr:
         """A function of v with a new e, which weighs the last term of the series."""
-        terms = series(kind, TERMS[kind] + self.order)
-        self.waves.append(Wave(kind, v))
-        parts = []
-        for power, coefficient in terms:
-            weight = f"<{len(self.waves) - 1}>*" if (power, coefficient) == terms[-1] else ""
-            factor = f"{abs(coefficient.numerator)}*" if abs(coefficient.numerator) > 1 else ""
-            own = f"{weight}{factor}{v}**{power}/{coefficient.denominator}" if power > 1 else v if power else "1"
-            parts += ["-" if coefficient < 0 else "+", own]
-        return f"({' '.join(parts[1:])})"
+        *terms, (last, coefficient) = series(kind, TERMS[kind] + self.order)
+        weighed = _term(last, coefficient, v, ast.Name(_weight(len(self.waves))))
+        self.waves.append(Wave(kind, written(v)))
+        return total([*(_term(exponent, own, v) for exponent, own in terms), weighed])
+
+
+def _term(exponent: int, coefficient: Fraction, v: ast.expr, weight: ast.expr = ONE) -> ast.expr:
+    """A term of a series."""
+    size = abs(coefficient)
+    own = multiplied(weight, number(size.numerator), power(v, exponent) if exponent else ONE)
+    own = quotient(own, number(size.denominator))
+    return own if coefficient > 0 else minus(own)
+
+
+def _weight(k: int) -> str:
+    """The name of an e, which is none in any file."""
+    return f"<{k}>"
 
 
 @dataclass
@@ -93,16 +119,17 @@ class NamedTemplate(Template):
 
     taken: frozenset[str] = frozenset()
 
-    def wave(self, kind: str, v: str) -> str:
+    def wave(self, kind: str, v: ast.expr) -> ast.expr:
         """The name of a function of v."""
+        argument = written(v)
         for wave in self.waves:
-            if (wave.kind, wave.argument) == (kind, v):
-                return wave.name
+            if (wave.kind, wave.argument) == (kind, argument):
+                return ast.Name(wave.name)
         name = f"{kind}_{len(self.waves) + 1}"
         while name in self.taken:
             name += "_"
-        self.waves.append(Wave(kind, v, name))
-        return name
+        self.waves.append(Wave(kind, argument, name))
+        return ast.Name(name)
 
 
 @cache
@@ -136,14 +163,8 @@ def named_formulas(formulas: Sequence[object], taken: frozenset[str]) -> tuple[t
         ExpressionError: as for :func:`enclosing_formulas`.
     """
     template = NamedTemplate(taken=taken)
-    written = tuple(_template(formula, template) if has_waves(formula) else formula for formula in formulas)
-    return written, tuple(template.waves)
-
-
-def in_place_of_names(formula: str, meanings: Mapping[str, str]) -> str:
-    """A formula with texts in place of the names of its sines and the like."""
-    named = re.compile(rf"\b({'|'.join(map(re.escape, meanings))})\b")
-    return named.sub(lambda own: meanings[own[0]], formula)
+    found = tuple(written(_template(formula, template)) if has_waves(formula) else formula for formula in formulas)
+    return found, tuple(template.waves)
 
 
 def kinds_text(waves: Iterable[Wave]) -> str:
@@ -158,7 +179,7 @@ def has_waves(formula: object) -> bool:
     if not isinstance(formula, str):
         return False
     try:
-        tree = parse_tree(formula, MAX_TEXT, "a formula")[1]
+        tree = formula_tree(formula)
     except ExpressionError:
         return False
     return any(map(_is_wave, ast.walk(tree)))
@@ -178,38 +199,40 @@ def enclosing_formulas(formulas: Sequence[object], order: int = 0) -> tuple[list
             another, for exp of what may be positive, and for too many of them.
     """
     template = Template(order=order)
-    written = [_template(formula, template) if has_waves(formula) else formula for formula in formulas]
+    found = [_template(formula, template) if has_waves(formula) else formula for formula in formulas]
     count = len(template.waves)
     if count > MAX_WAVES:
         raise ExpressionError(f"required at most {MAX_WAVES} of {LISTED} of states, received {count}")
-    return [tuple(_filled(w, e) for w in written) for e in product("01", repeat=count)], tuple(template.waves)
+    lists = []
+    for chosen in product((ZERO, ONE), repeat=count):
+        weights = {_weight(k): own for k, own in enumerate(chosen)}
+        lists.append(tuple(_filled(own, weights) if isinstance(own, ast.expr) else own for own in found))
+    return lists, tuple(template.waves)
 
 
-def _filled(formula: object, values: Sequence[str]) -> object:
-    if not isinstance(formula, str):
-        return formula
-    for k, value in enumerate(values):
-        formula = formula.replace(f"<{k}>", value)
-    return formula
+def _filled(template: ast.expr, weights: Mapping[str, ast.expr]) -> str:
+    """A formula with a number in place of each e."""
+    return written(tidied(with_names(template, weights)))
 
 
-def _template(formula: object, template: Template) -> str:
+def _template(formula: object, template: Template) -> ast.expr:
     text, tree = parse_tree(formula, MAX_TEXT, "a formula")
-    return _written(tree, text, template)
+    return _without_waves(tree, text, template)
 
 
-def _written(node: ast.expr, text: str, template: Template) -> str:
-    """A part of a formula as text; parts without waves as they were."""
+def _without_waves(node: ast.expr, text: str, template: Template) -> ast.expr:
+    """A part of a formula; parts without waves as they were."""
     if not any(map(_is_wave, ast.walk(node))):
-        return f"({ast.get_source_segment(text, node)})"
+        return node
     match node:
         case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
-            return f"({'-' if isinstance(node.op, ast.USub) else ''}{_written(node.operand, text, template)})"
+            inner = _without_waves(node.operand, text, template)
+            return minus(inner) if isinstance(node.op, ast.USub) else inner
         case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(count))) if 1 <= count <= MAX_WAVES:
-            return "(" + "*".join(_written(node.left, text, template) for _ in range(count)) + ")"
-        case ast.BinOp() if type(node.op) in _OPERATORS and not _divides_by_wave(node):
-            left, right = (_written(side, text, template) for side in (node.left, node.right))
-            return f"({left} {_OPERATORS[type(node.op)]} {right})"
+            return multiplied(*(_without_waves(node.left, text, template) for _ in range(count)))
+        case ast.BinOp() if type(node.op) in OPERATIONS and not _divides_by_wave(node):
+            left, right = (_without_waves(side, text, template) for side in (node.left, node.right))
+            return ast.BinOp(left, node.op, right)
         case ast.Call(func=ast.Name(id=name), args=[argument]) if name in WAVES:
             if any(map(_is_wave, ast.walk(argument))):
                 raise ExpressionError(f"required none of {LISTED} inside another, received {shown(text)}")
@@ -218,7 +241,7 @@ def _written(node: ast.expr, text: str, template: Template) -> str:
             if name == "exp" and _sign(argument) != -1:
                 expected = "exp of minus a sum of even powers and absolute values, such as exp(-x**2)"
                 raise ExpressionError(f"required {expected}, received {shown(text)}")
-            return template.wave(name, f"({ast.get_source_segment(text, argument)})")
+            return template.wave(name, argument)
     raise ExpressionError(f"required {LISTED} of states in sums and products only, received {shown(text)}")
 
 
@@ -242,40 +265,37 @@ def _sign(node: ast.expr) -> int:
     return 0
 
 
-def _turned(name: str, argument: ast.expr, text: str, template: Template) -> str:
+def _turned(name: str, argument: ast.expr, text: str, template: Template) -> ast.expr:
     """``sin(v + t pi)`` or ``cos(v + t pi)`` by the addition theorem; parts with coefficient zero are left out."""
     parts, turn = _parts(argument, text)
-    v = f"({' '.join(parts)})"
+    v = total(parts)
     turn = turn if name == "sin" else turn + Fraction(1, 2)  # cos u = sin(u + pi/2)
     exact = {Fraction(0): (1, 0), Fraction(1, 2): (0, 1), Fraction(1): (-1, 0), Fraction(3, 2): (0, -1)}
-    along: object
-    across: object
     if turn % 2 in exact:
         along, across = exact[turn % 2]
-    else:
-        along, across = (f"{f}({turn.numerator}*pi/{turn.denominator})" for f in ("cos", "sin"))
-    terms = [f"{c}*{template.wave(kind, v)}" for kind, c in (("sin", along), ("cos", across)) if c]
-    return f"({' + '.join(terms)})"
+        kind, side = ("sin", along) if along else ("cos", across)
+        return template.wave(kind, v) if side > 0 else minus(template.wave(kind, v))
+    angle = quotient(multiplied(number(turn.numerator), ast.Name("pi")), number(turn.denominator))
+    along_sine = multiplied(called("cos", angle), template.wave("sin", v))
+    return plus(along_sine, multiplied(called("sin", angle), template.wave("cos", v)))
 
 
-def _parts(node: ast.expr, text: str, side: str = "+") -> tuple[list[str], Fraction]:
+def _parts(node: ast.expr, text: str, side: int = 1) -> tuple[list[ast.expr], Fraction]:
     """The terms of a sum without pi, with signs, and the multiple of pi of the others."""
-    other = "-" if side == "+" else "+"
     match node:
         case ast.BinOp(op=ast.Add() | ast.Sub()):
             left = _parts(node.left, text, side)
-            right = _parts(node.right, text, side if isinstance(node.op, ast.Add) else other)
+            right = _parts(node.right, text, side if isinstance(node.op, ast.Add) else -side)
             return left[0] + right[0], left[1] + right[1]
         case ast.UnaryOp(op=ast.USub()):
-            return _parts(node.operand, text, other)
+            return _parts(node.operand, text, -side)
     if _names(node) or not _holds_pi(node):
-        return [f"{side} ({ast.get_source_segment(text, node)})"], Fraction(0)
-    turn = turn_of(node, text)
-    return [], turn if side == "+" else -turn
+        return [node if side > 0 else minus(node)], Fraction(0)
+    return [], turn_of(node, text) * side
 
 
 def _holds_pi(node: ast.expr) -> bool:
-    return any(isinstance(part, ast.Name) and part.id == "pi" for part in ast.walk(node))
+    return "pi" in names_of(node)
 
 
 def _is_wave(node: ast.AST) -> bool:
@@ -285,7 +305,7 @@ def _is_wave(node: ast.AST) -> bool:
 
 
 def _names(node: ast.expr) -> bool:
-    return any(isinstance(part, ast.Name) and part.id not in _NUMBERS for part in ast.walk(node))
+    return not names_of(node).issubset(_NUMBERS)
 
 
 def _divides_by_wave(node: ast.BinOp) -> bool:

@@ -9,45 +9,35 @@ text can keep the machine busy.
 from __future__ import annotations
 
 import ast
-import operator
-import re
-import warnings
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
 
+from nonsmooth.symbolic.formulas.trees import (
+    MAX_LENGTH,
+    OPERATIONS,
+    ExpressionError,
+    literal_value,
+    names_of,
+    number,
+    parse_tree,
+    replaced,
+    written,
+)
 from nonsmooth.symbolic.messages.scene_error import SceneError, requirement, shown
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 
-MAX_LENGTH = 400  # characters; longer formulas belong in a CSV file
 MAX_EXPONENT = 64
 MAX_BITS = 20_000  # size of an intermediate rational
 MAX_ROOTS = 6  # independent square roots in one number: quotients hold up to 2^6 terms
-MAX_DECIMAL_EXPONENT = 400
 MAX_ANGLE_DENOMINATOR = 360
 MAX_FIELD_ORDER = 2_000  # angles with many different denominators multiply the degree of the field
 
-_WITH_UNIT = re.compile(r"([0-9]{1,20}(?:\.[0-9]{1,20})?) ?(%|kg|g|lb|N|m|cm|mm|in|(?:m|cm|mm|in)/s|s)")
-_ABS = re.compile(r"\babs *\(")  # read as Abs, the one name that certificates and the checker know
-_ODD_EXPONENT = re.compile(r"\*\*\s*(?!\d+\b(?!\.))")  # not in digits alone
-_OTHER_DIGITS = re.compile(r"(?<![\w.])0[box]\w*", re.IGNORECASE)  # Python's integers to other bases
 _FUNCTIONS = ("sqrt", "sin", "cos")
-OPERATIONS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {  # in any arithmetic
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-}
-
-
-class ExpressionError(ValueError):
-    """Text that is no number or formula of the accepted kind; the message says what was expected."""
 
 
 @contextmanager
@@ -109,8 +99,7 @@ def parse(value: object, variables: Collection[str] = ()) -> Expression:
 def _parsed(value: object, variables: frozenset[str]) -> Expression:
     text, tree = parse_tree(value, MAX_LENGTH, 'a number or a formula such as "sqrt(2)/2"')
     _check(tree, text, variables)
-    names = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)} & variables
-    expression = Expression(text, tree, frozenset(names))
+    expression = Expression(text, tree, variables & names_of(tree))
     if base_order(expression.turns()) > MAX_FIELD_ORDER:
         raise ExpressionError(f"required angles of few different denominators, received {shown(text)}")
     return expression
@@ -119,107 +108,27 @@ def _parsed(value: object, variables: frozenset[str]) -> Expression:
 _parsed_once = lru_cache(maxsize=4096, typed=True)(_parsed)  # scenes of a sweep repeat most of their texts
 
 
-_read_once = lru_cache(ast.parse)
+def with_whole_exponents(tree: ast.expr) -> ast.expr:
+    """A formula whose whole exponents are numbers, also where they were written ``2.0`` or ``(1 + 2*1)``."""
+
+    def change(node: ast.expr) -> ast.expr | None:
+        if not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow)) or isinstance(node.right, ast.Name):
+            return None
+        exponent = _whole(node.right)
+        if exponent is None or (isinstance(node.right, ast.Constant) and isinstance(node.right.value, int)):
+            return None
+        return ast.BinOp(replaced(node.left, change), ast.Pow(), number(exponent))
+
+    return replaced(tree, change)
 
 
-def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.expr]:
-    """The text of a TOML number or string, and its tree, of which nothing is checked yet; ``abs(x)`` is ``Abs(x)``.
-
-    Equal texts have one tree: who changes a tree parses its own.
-
-    Args:
-        value: what the file holds.
-        longest: characters of a string.
-        required: what should have stood there, with an example.
-
-    Raises:
-        ExpressionError: for other values, long texts, decimals out of bounds, powers by ``^``, hexadecimal numbers,
-            and what Python cannot parse.
-    """
-    if isinstance(value, bool) or not isinstance(value, int | float | Decimal | str):
-        raise ExpressionError(f"required a number or a formula in quotes, received {shown(value)}")
-    if isinstance(value, int) and value.bit_length() > 4 * MAX_LENGTH:  # str() refuses very long integers
-        raise ExpressionError(f"required at most {MAX_LENGTH} digits, received {shown(value)}")
-    text = str(value).strip()
-    if "#" not in text:  # a comment would go on
-        text = " ".join(text.splitlines()).expandtabs(1)
-    text = _ABS.sub("Abs(", text)
-    most = longest if isinstance(value, str) else MAX_LENGTH
-    if len(text) > most:
-        raise ExpressionError(f"required at most {most} characters, received {len(text)}")
-    if isinstance(value, float | Decimal):
-        decimal_value(text)
-    if "^" in text:
-        raise ExpressionError(f"required ** for powers, as in x**2, received {shown(value)}")
-    if _OTHER_DIGITS.search(text):
-        raise ExpressionError(f"required decimal numbers, received {shown(value)}")
+def _whole(node: ast.expr) -> Fraction | None:
+    """The value of a formula that is a whole number; None for any other."""
     try:
-        if "#" in text:
-            raise SyntaxError("a comment")
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
-            return text, _read_once(text, mode="eval").body
-    except (SyntaxError, ValueError, MemoryError, RecursionError):
-        hint = _without_unit(text)
-        raise ExpressionError(f"required {hint or required}, received {shown(value)}") from None
-
-
-def with_whole_exponents(text: str) -> str:
-    """A formula whose whole exponents stand there in digits, also where they are written ``2.0`` or ``(1 + 2*1)``.
-
-    A text that cannot be read stays as it is, for who reads it to refuse.
-    """
-    if not text.isascii() or not _ODD_EXPONENT.search(text):
-        return text
-    try:
-        text, tree = parse_tree(text, len(text), "a formula")
+        value, in_pi = parse(written(node)).parts_in_pi()
     except ExpressionError:
-        return text
-    found, waiting = [], [tree]
-    while waiting:
-        node = waiting.pop()
-        inner = [part for part in ast.iter_child_nodes(node) if isinstance(part, ast.expr)]
-        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
-            inner = [node.left]
-            found.append(node.right)
-        waiting += inner
-    for exponent in sorted(found, key=lambda own: -own.col_offset):
-        first, last = exponent.col_offset, exponent.end_col_offset
-        try:
-            value, in_pi = parse(text[first:last]).parts_in_pi()
-        except ExpressionError:
-            continue
-        if value.denominator == 1 and not in_pi:
-            text = f"{text[:first]}{value}{text[last:]}"
-    return text
-
-
-def _without_unit(text: str) -> str:
-    """What stands for a number with a percent sign or a unit behind it; empty for other texts."""
-    named = _WITH_UNIT.fullmatch(text)
-    if named is None:
-        return ""
-    if named[2] == "%":
-        return f'a number (for {named[1]} % write "{named[1]}/100")'
-    return f"a number without a unit: lengths and speeds as [units] states them, mass in kg (is {named[1]} meant?)"
-
-
-def decimal_value(text: str) -> Fraction:
-    """Exact value of a decimal literal.
-
-    Raises:
-        ExpressionError: for NaN, infinities and exponents beyond the bound.
-    """
-    try:
-        number = Decimal(text.replace("_", ""))
-    except InvalidOperation:
-        raise ExpressionError(f"required a decimal number, received {shown(text)}") from None
-    if not number.is_finite():
-        raise ExpressionError(f"required a finite number, received {shown(text)}")
-    if abs(number.adjusted()) > MAX_DECIMAL_EXPONENT and number:
-        bound = MAX_DECIMAL_EXPONENT
-        raise ExpressionError(f"required a decimal exponent between -{bound} and {bound}, received {shown(text)}")
-    return Fraction(number) if number else Fraction(0)
+        return None
+    return value if value.denominator == 1 and not in_pi else None
 
 
 def turns_in(tree: ast.expr, text: str) -> Iterator[Fraction]:
@@ -249,7 +158,7 @@ def _check(node: ast.expr, text: str, variables: frozenset[str]) -> None:
     """Refuse every construct outside the whitelist."""
     match node:
         case ast.Constant(value=int() | float()) if not isinstance(node.value, bool):
-            _literal(node, text)
+            literal_value(node)
         case ast.Name(id="pi"):
             pass
         case ast.Name(id=name) if name in variables:
@@ -272,12 +181,6 @@ def _check(node: ast.expr, text: str, variables: frozenset[str]) -> None:
             raise ExpressionError(f"required a formula of {allowed}, received {shown(text)}")
 
 
-def _literal(node: ast.Constant, text: str) -> Fraction:
-    if isinstance(node.value, int):
-        return Fraction(node.value)
-    return decimal_value(ast.get_source_segment(text, node) or "nan")
-
-
 def _exponent(node: ast.expr, text: str) -> int:
     signed = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd)
     negative = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
@@ -292,7 +195,7 @@ def _linear_in_pi(node: ast.expr, text: str) -> tuple[Fraction, Fraction]:
     """``node = constant + multiple * pi`` with rational parts."""
     match node:
         case ast.Constant():
-            return _literal(node, text), Fraction(0)
+            return literal_value(node), Fraction(0)
         case ast.Name(id="pi"):
             return Fraction(0), Fraction(1)
         case ast.UnaryOp(op=ast.USub()):
@@ -315,7 +218,7 @@ def _linear_in_pi(node: ast.expr, text: str) -> tuple[Fraction, Fraction]:
 def _value(node: ast.expr, text: str, field: NumberField, values: Mapping[str, Number]) -> Number:
     match node:
         case ast.Constant():
-            return field.rational(_literal(node, text))
+            return field.rational(literal_value(node))
         case ast.Name(id=name) if name in values:
             return values[name]
         case ast.Name(id="pi"):

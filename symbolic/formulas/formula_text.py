@@ -6,7 +6,6 @@ A condition ``g > 0`` is the factor ``relu(sgn(g))``: 1 where it holds, 0 where 
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Sequence
 
 ZERO, ONE, MINUS_ONE = "0", "1", "(-1)"
@@ -69,68 +68,3 @@ def _balanced(parts: Sequence[str], joint: str, empty: str) -> str:
         return parts[0] if parts else empty
     middle = len(parts) // 2
     return f"({_balanced(parts[:middle], joint, empty)}{joint}{_balanced(parts[middle:], joint, empty)})"
-
-
-# ---- as people read them -------------------------------------------------------------------------
-
-
-def tidied(text: str) -> str:
-    """A formula without signs, parentheses, factors and summands that change nothing.
-
-    ``(((1*((+ (v)) - (+ (v))**3/6 + 0*(+ (v))**5/120)) - (w)))`` becomes ``v - v**3/6 - w``.
-
-    Args:
-        text: a formula that was accepted before; it is read as Python's grammar reads it, and not evaluated.
-    """
-    tree = _Tidier().visit(ast.parse(text.strip(), mode="eval"))
-    shown = ast.unparse(tree)
-    for operator in ("**", "*", "/"):
-        shown = shown.replace(f" {operator} ", operator)
-    return shown
-
-
-class _Tidier(ast.NodeTransformer):
-    """Leaves out ``+v``, ``1*v``, ``0*v``, zeros that are added and numbers below zero that are subtracted."""
-
-    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.AST:
-        self.generic_visit(node)
-        if isinstance(node.op, ast.UAdd) or _is(node.operand, 0):
-            return node.operand
-        return node
-
-    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
-        self.generic_visit(node)
-        left, right = node.left, node.right
-        match node.op:
-            case ast.Mult() if _is(left, 0) or _is(right, 0):
-                return ast.Constant(0)
-            case ast.Mult() if _is(left, 1):
-                return right
-            case ast.Mult() | ast.Div() if _is(right, 1):
-                return left
-            case ast.Div() if _is(left, 0):
-                return left
-            case ast.Add() if _is(left, 0):
-                return right
-            case ast.Add() | ast.Sub() if _is(right, 0):
-                return left
-            case ast.Sub() if _is(left, 0):
-                return ast.UnaryOp(ast.USub(), right)
-            case ast.Add() | ast.Sub() if (positive := _without_minus(right)) is not None:
-                return ast.BinOp(left, ast.Add() if isinstance(node.op, ast.Sub) else ast.Sub(), positive)
-        return node
-
-
-def _without_minus(node: ast.expr) -> ast.expr | None:
-    """A number, or its multiple, without the minus before it; None where none is."""
-    match node:
-        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant() as number):
-            return number
-        case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as operator, right=right):
-            positive = _without_minus(left)
-            return None if positive is None else ast.BinOp(positive, operator, right)
-    return None
-
-
-def _is(node: ast.expr, value: int) -> bool:
-    return isinstance(node, ast.Constant) and node.value == value and not isinstance(node.value, bool)

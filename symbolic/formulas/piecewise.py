@@ -16,13 +16,20 @@ from fractions import Fraction
 from functools import cached_property, lru_cache, reduce
 from typing import TypeAlias
 
-from nonsmooth.symbolic.formulas.expression import OPERATIONS, Expression, ExpressionError, parse, parse_tree, turns_in
+from nonsmooth.symbolic.formulas.expression import Expression, parse, turns_in
+from nonsmooth.symbolic.formulas.trees import (
+    MAX_DEPTH,
+    MAX_TEXT,
+    OPERATIONS,
+    ExpressionError,
+    names_of,
+    parse_tree,
+    written,
+)
 from nonsmooth.symbolic.messages.scene_error import shown
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
-MAX_TEXT = 20_000  # characters: of a layer of rectifiers written out
-MAX_DEPTH = 60  # nested operations
 MAX_DEGREE = 16  # of a smooth piece
 
 SIGNS = ("sign", "sgn")
@@ -73,7 +80,7 @@ class PiecewiseExpression:
 
     def is_constant(self, node: ast.expr) -> bool:
         """Whether a part mentions no name but those of numbers."""
-        return not any(isinstance(n, ast.Name) and n.id not in NUMBERS for n in ast.walk(node))
+        return names_of(node).issubset(NUMBERS)
 
     @cached_property
     def smooth_parts(self) -> frozenset[ast.AST]:
@@ -93,7 +100,7 @@ class PiecewiseExpression:
         while waiting:
             node = waiting.pop()
             if isinstance(node, ast.expr) and self.is_constant(node):
-                found[node] = _constant(node, self)
+                found[node] = _constant(node)
             else:
                 waiting += ast.iter_child_nodes(node)
         return found
@@ -139,7 +146,7 @@ def _check(node: ast.expr, whole: PiecewiseExpression, depth: int) -> None:
     if not depth:
         raise ExpressionError(f"required at most {MAX_DEPTH} nested operations, received {shown(whole.text)}")
     if whole.is_constant(node):
-        _constant(node, whole)
+        _constant(node)
         return
     match node:
         case ast.Name(id=name) if name in whole.states:
@@ -173,10 +180,9 @@ def _arguments(name: str) -> Sequence[str]:
     return ("a", "b", "...") if name in EXTREMES else ("a", "low", "high")[: LIMITERS.get(name, 1)]
 
 
-def _constant(node: ast.expr, whole: PiecewiseExpression) -> Expression:
+def _constant(node: ast.expr) -> Expression:
     """A part without states, checked by the parser of numbers."""
-    segment = ast.get_source_segment(whole.text, node) or ""
-    return parse(segment.replace("\n", " "))
+    return parse(written(node))
 
 
 def _exponent(node: ast.expr, whole: PiecewiseExpression) -> int:

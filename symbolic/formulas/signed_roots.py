@@ -4,36 +4,40 @@ The *order* q of a state is the least common denominator of the powers of ``Abs(
 and ``Abs(x)**(p/q) = Abs(z)**p`` formulas are polynomials in z on each cell, and ``x' = f`` is
 ``q Abs(z)**(q - 1) z' = f``.  In the time s with ``dt = q Abs(z)**(q - 1) ds`` super-twisting,
 ``x' = -a sqrt(Abs(x)) sgn(x) + y``, ``y' = -b sgn(x)``, is linear: ``dz/ds = y - a z``, ``dy/ds = -2 b z``.  Where
-this is sound: :mod:`nonsmooth.proofs.systems.system_stability`.  Formulas are rewritten as text, part by part of their
-trees.
+this is sound: :mod:`nonsmooth.proofs.systems.system_stability`.
 """
 
 from __future__ import annotations
 
 import ast
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
-from typing import Any, NamedTuple
+from typing import Any
 
 from flint import fmpz
 
-from nonsmooth.symbolic.formulas.expression import ExpressionError, parse, parse_tree
-from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
+from nonsmooth.symbolic.formulas.expression import parse
+from nonsmooth.symbolic.formulas.trees import (
+    MAX_TEXT,
+    ExpressionError,
+    called,
+    formula_tree,
+    is_call,
+    multiplied,
+    names_of,
+    number,
+    parse_tree,
+    power,
+    replaced,
+    with_names,
+    written,
+)
 from nonsmooth.symbolic.messages.scene_error import shown
 
 MAX_ORDER = 8  # of a root: states are polynomials of that degree in it
-_NAME = re.compile(r"\b[A-Za-z]\w*")
-
-
-class StatePower(NamedTuple):
-    """A part ``Abs(x)**power`` of a formula; x itself, where there is no power."""
-
-    node: ast.expr
-    state: str
-    power: Fraction | None
 
 
 @dataclass(frozen=True)
@@ -72,14 +76,14 @@ class SignedRoots:
         """What each root is."""
         return tuple(f"{root} = sgn({name})*{self.root_text(name)}" for name, root in self.names.items())
 
-    def root_text(self, name: str, power: int = 1) -> str:
+    def root_of(self, name: str, whole: int = 1) -> ast.expr:
         """A power of the size of a root as a formula of its state."""
-        exponent = Fraction(power, self.order[name])
-        if exponent == Fraction(1, 2):
-            return f"sqrt(Abs({name}))"
-        if exponent.denominator == 1:
-            return f"Abs({name})**{exponent}"
-        return f"Abs({name})**({exponent})"
+        exponent, size = Fraction(whole, self.order[name]), called("Abs", ast.Name(name))
+        return called("sqrt", size) if exponent == Fraction(1, 2) else power(size, exponent)
+
+    def root_text(self, name: str) -> str:
+        """The size of a root as a formula of its state."""
+        return written(self.root_of(name))
 
     def stated(self, name: str, value: Any) -> Any:
         """The value of a state, of which the root is known where it stands under one: ``z Abs(z)**(q - 1)``."""
@@ -88,56 +92,78 @@ class SignedRoots:
     @property
     def time_scale(self) -> str:
         """The factor by which time passes slower, ``dt`` over ``ds``."""
-        return "*".join(map(self._speed, self.rooted))
+        return written(multiplied(*self._speeds(self.rooted)))
 
-    def _speed(self, name: str) -> str:
-        """``q Abs(z)**(q - 1)``: how fast a state moves beside its root."""
-        return f"{self.order[name]}*{_power(f'Abs({self.names[name]})', self.order[name] - 1)}"
+    def _speeds(self, names: Iterable[str]) -> Iterator[ast.expr]:
+        """The factors of ``q Abs(z)**(q - 1)`` of some roots: how fast a state moves beside its root."""
+        for name in names:
+            yield number(self.order[name])
+            yield power(self._size(name), self.order[name] - 1)
+
+    def _size(self, name: str) -> ast.expr:
+        return called("Abs", ast.Name(self.names[name]))
 
     def seen(self, formula: object) -> object:
         """A formula in the roots; what is no text stays as it is."""
-        return self._rewritten(formula, self._in_roots)
 
-    def _in_roots(self, part: StatePower) -> str:
-        size, order = f"Abs({self.names[part.state]})", self.order[part.state]
-        if part.power is None:
-            return f"({self.names[part.state]}*{_power(size, order - 1)})"
-        whole = int(part.power * order)
-        return size if whole == 1 else f"({size}**{whole})"
+        def in_roots(state: str, exponent: Fraction | None) -> ast.expr:
+            order = self.order[state]
+            if exponent is None:
+                return multiplied(ast.Name(self.names[state]), power(self._size(state), order - 1))
+            return power(self._size(state), int(exponent * order))
+
+        return self._rewritten(formula, in_roots)
 
     def seen_field(self, formula: object, place: int) -> object:
         """The right-hand side of a state in the roots and in the time s."""
-        others = [f"*({self._speed(name)})" for name in self.rooted if name != self.states[place]]
-        return f"({self.seen(formula)}){''.join(others)}" if isinstance(formula, str) or others else formula
+        others = list(self._speeds(name for name in self.rooted if name != self.states[place]))
+        seen = self.seen(formula)
+        with suppress(ExpressionError):  # refused where formulas are read
+            return written(multiplied(*others, formula_tree(seen))) if others else seen
+        return seen
 
     def extended(self, formula: object) -> object:
         """A formula in which the size of each root is a further state, for solutions to be followed."""
-        return self._rewritten(formula, self._with_sizes)
 
-    def _with_sizes(self, part: StatePower) -> str:
-        if part.power is None:
-            return part.state
-        whole = int(part.power * self.order[part.state])
-        return self.names[part.state] if whole == 1 else f"({self.names[part.state]}**{whole})"
+        def with_sizes(state: str, exponent: Fraction | None) -> ast.expr:
+            if exponent is None:
+                return ast.Name(state)
+            return power(ast.Name(self.names[state]), int(exponent * self.order[state]))
+
+        return self._rewritten(formula, with_sizes)
 
     def restored(self, text: str) -> str:
         """An extended formula as it was stated."""
-        for name, root in self.names.items():
-            sizes = re.compile(rf"\({root}\*\*([0-9]+)\)|\b{root}\b(?: *\*\* *([0-9]+))?")
-            text = sizes.sub(lambda found, name=name: self.root_text(name, int(found[1] or found[2] or 1)), text)  # type: ignore[misc]
-        return text
+        states = {root: name for name, root in self.names.items()}
 
-    def _rewritten(self, formula: object, replaced: Callable[[StatePower], str]) -> object:
-        """A formula with rooted states and powers of their sizes replaced."""
+        def change(node: ast.expr) -> ast.expr | None:
+            match node:
+                case ast.BinOp(left=ast.Name(id=root), op=ast.Pow(), right=ast.Constant(value=int(whole))):
+                    return self.root_of(states[root], whole) if root in states else None
+                case ast.Name(id=root) if root in states:
+                    return self.root_of(states[root])
+            return None
+
+        return written(replaced(formula_tree(text), change))
+
+    def _rewritten(self, formula: object, meaning: Callable[[str, Fraction | None], ast.expr]) -> object:
+        """A formula with other trees for each rooted state, and for each power of its size.
+
+        What cannot be read stays as it is, for who reads it to refuse.
+        """
         if not isinstance(formula, str):
             return formula
-        text, tree = parse_tree(formula, MAX_TEXT, "a formula")
-        data, end, written = text.encode(), len(text.encode()), b""
-        places = _places(tree, text, self.rooted, dict(self.parameters))
-        for part in sorted(places, key=lambda own: -_offset(text, own.node)):
-            first, last = _offset(text, part.node), _end(text, part.node)
-            written, end = replaced(part).encode() + data[last:end] + written, first
-        return (data[:end] + written).decode()
+        parameters = dict(self.parameters)
+
+        def change(node: ast.expr) -> ast.expr | None:
+            exponent, state = _fractional_power(node, parameters), _state_of(node)
+            if exponent is not None and state in self.rooted:
+                return meaning(state, exponent)
+            return meaning(node.id, None) if isinstance(node, ast.Name) and node.id in self.rooted else None
+
+        with suppress(ExpressionError):
+            return written(replaced(formula_tree(formula), change))
+        return formula
 
 
 def signed_root(value: Fraction, order: int) -> Fraction:
@@ -153,10 +179,6 @@ def signed_root(value: Fraction, order: int) -> Fraction:
     return root if value > 0 else -root
 
 
-def _power(base: str, exponent: int) -> str:
-    return base if exponent == 1 else f"{base}**{exponent}"
-
-
 def orders_in(formula: object, states: Sequence[str], parameters: Mapping[str, str]) -> dict[str, int]:
     """The states that stand under a root in a formula, each with the least common denominator of its powers.
 
@@ -170,80 +192,41 @@ def orders_in(formula: object, states: Sequence[str], parameters: Mapping[str, s
         return {}  # refused where formulas are read
     found: dict[str, int] = {}
     for node in ast.walk(tree):
-        power = _fractional_power(node, text, parameters)
-        if power is None or not _names(node) & set(states):
+        exponent = _fractional_power(node, parameters)
+        if exponent is None or names_of(node).isdisjoint(states):
             continue
         name = _state_of(node)
         if name not in states:
-            kind = "square roots" if _is_call(node, "sqrt") else "roots"
-            example = f"sqrt(Abs({states[0]}))" if _is_call(node, "sqrt") else f"Abs({states[0]})**({power})"
+            kind = "square roots" if is_call(node, "sqrt") else "roots"
+            example = f"sqrt(Abs({states[0]}))" if is_call(node, "sqrt") else f"Abs({states[0]})**({exponent})"
             raise ExpressionError(f"required {kind} of Abs of a state, such as {example}, received {shown(text)}")
-        order = lcm(found.get(str(name), 1), power.denominator)
-        if power <= 0 or order > MAX_ORDER:
+        order = lcm(found.get(name, 1), exponent.denominator)
+        if exponent <= 0 or order > MAX_ORDER:
             expected = f"powers of Abs({name}) above 0, with a common denominator up to {MAX_ORDER}"
             raise ExpressionError(f"required {expected}, received {shown(text)}")
-        found[str(name)] = order
+        found[name] = order
     return found
 
 
-def _places(tree: ast.AST, text: str, rooted: Sequence[str], parameters: Mapping[str, str]) -> Iterator[StatePower]:
-    """Every rooted state outside of its roots, and every root."""
-    waiting = [tree]
-    while waiting:
-        node = waiting.pop()
-        power = _fractional_power(node, text, parameters)
-        if isinstance(node, ast.expr) and power is not None and _state_of(node) in rooted:
-            yield StatePower(node, str(_state_of(node)), power)
-        elif isinstance(node, ast.Name) and node.id in rooted:
-            yield StatePower(node, node.id, None)
-        else:
-            waiting += ast.iter_child_nodes(node)
-
-
-def _fractional_power(node: ast.AST, text: str, parameters: Mapping[str, str]) -> Fraction | None:
+def _fractional_power(node: ast.AST, parameters: Mapping[str, str]) -> Fraction | None:
     """The exponent of a square root, or of a power that is not whole; None for anything else."""
-    if _is_call(node, "sqrt"):
+    if is_call(node, "sqrt"):
         return Fraction(1, 2)
     if not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow)):
         return None
-    written = ast.get_source_segment(text, node.right) or ""
-    if written.isdecimal():
-        return None
-    known = _NAME.sub(lambda name: f"({parameters.get(name[0], name[0])})", written)
     try:
-        exponent, in_pi = parse(known).parts_in_pi()
+        values = {name: formula_tree(parameters[name]) for name in names_of(node.right) & parameters.keys()}
+        exponent, in_pi = parse(written(with_names(node.right, values))).parts_in_pi()
     except ExpressionError:
         return None  # refused where formulas are read
     return None if in_pi or exponent.denominator == 1 else exponent
 
 
-def _state_of(node: ast.AST) -> str | None:
-    """The state of ``sqrt(Abs(x))`` or ``Abs(x)**(p/q)``; None for anything else."""
-    inner = node.args[0] if isinstance(node, ast.Call) else node.left if isinstance(node, ast.BinOp) else None
-    if not (isinstance(inner, ast.Call) and _is_call(inner, "Abs") and isinstance(inner.args[0], ast.Name)):
-        return None
-    return inner.args[0].id
-
-
-def _is_call(node: ast.AST, name: str) -> bool:
-    """Whether a part is a function of that name with one argument."""
-    if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name)):
-        return False
-    return node.func.id == name and len(node.args) == 1 and not node.keywords
-
-
-def _names(node: ast.AST) -> set[str]:
-    return {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
-
-
-def _offset(text: str, node: ast.expr) -> int:
-    """Where a part begins, in bytes."""
-    return _bytes_before(text, node.lineno) + node.col_offset
-
-
-def _end(text: str, node: ast.expr) -> int:
-    return _bytes_before(text, node.end_lineno or node.lineno) + (node.end_col_offset or 0)
-
-
-def _bytes_before(text: str, line: int) -> int:
-    return sum(len(part.encode()) for part in text.splitlines(keepends=True)[: line - 1])
+def _state_of(node: ast.AST) -> str:
+    """The state of ``sqrt(Abs(x))`` or ``Abs(x)**(p/q)``; empty for anything else."""
+    match node:
+        case ast.Call(args=[inner]) | ast.BinOp(left=inner):
+            match inner:
+                case ast.Call(func=ast.Name(id="Abs"), args=[ast.Name(id=name)], keywords=[]):
+                    return name
+    return ""

@@ -9,7 +9,6 @@ Verdicts are about the displacement from the checked point.
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -23,8 +22,9 @@ from nonsmooth.symbolic.formulas.expression import formula_refused
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, no_sign, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in
 from nonsmooth.symbolic.formulas.surfaces import switching_factors
+from nonsmooth.symbolic.formulas.trees import multiplied, number, quotient, replaced, with_names, written
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import Number
@@ -381,16 +381,16 @@ def scaled_system(
         SceneError: for arbitrary switching.
     """
     require_single(system)
-    shrunk = {name: f"({name}/({length}))" for name in system.states}
-    rhs = tuple(_parsed(f"({speed})*({length})*({_renamed(f, shrunk)})", system.states) for f in system.rhs)
+    shrunk = {name: quotient(ast.Name(name), number(length)) for name in system.states}
+    sides = [multiplied(number(speed * length), with_names(f.tree, shrunk)) for f in system.rhs]
     check = replace(
         system.check,
         equilibrium=tuple(x * length for x in system.check.equilibrium),
         radius=system.check.radius * length,
-        lyapunov=_parsed(_renamed(system.check.lyapunov, shrunk), system.states),
+        lyapunov=_of_tree(with_names(system.check.lyapunov.tree, shrunk), system.states),
         quotient=None,
     )
-    return replace(system, rhs=rhs, check=check)
+    return replace(system, rhs=tuple(_of_tree(side, system.states) for side in sides), check=check)
 
 
 def with_rate_ratio(system: SwitchedSystem, ratio: Fraction) -> SwitchedSystem:
@@ -401,17 +401,12 @@ def with_rate_ratio(system: SwitchedSystem, ratio: Fraction) -> SwitchedSystem:
     """
     require_single(system)
     first, *others = system.rhs
-    rhs = (first, *(_parsed(f"({ratio})*({other.text})", system.states) for other in others))
+    rhs = (first, *(_of_tree(multiplied(number(ratio), other.tree), system.states) for other in others))
     return replace(system, rhs=rhs)
 
 
-def _renamed(formula: PiecewiseExpression, names: dict[str, str]) -> str:
-    pattern = re.compile(rf"\b({'|'.join(map(re.escape, names))})\b")
-    return pattern.sub(lambda found: names[found[0]], formula.text)
-
-
-def _parsed(text: str, states: tuple[str, ...]) -> PiecewiseExpression:
-    return parse_piecewise(text, states)
+def _of_tree(tree: ast.expr, states: tuple[str, ...]) -> PiecewiseExpression:
+    return parse_piecewise(written(tree), states)
 
 
 # ---- irrational numbers between rational ones ----------------------------------------------------
@@ -432,21 +427,6 @@ MOST_PLACES = 5  # of irrational numbers in one right-hand side: two to this pow
 
 class NoEnclosureError(ValueError):
     """A system that lies between no systems with rational numbers, or between too many."""
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where an irrational number stands in a formula.
-
-    Attributes:
-        start: its first character.
-        end: the character after its last one.
-        bounds: a rational number below, and one above.
-    """
-
-    start: int
-    end: int
-    bounds: tuple[Fraction, Fraction]
 
 
 def with_known_numbers(system: SwitchedSystem) -> SwitchedSystem:
@@ -475,8 +455,7 @@ def enclose_numbers(system: SwitchedSystem) -> SwitchedSystem:
 
 def _between(system: SwitchedSystem) -> list[tuple[PiecewiseExpression, ...]]:
     """The right-hand sides with bounds for the irrational numbers of one; itself where it has none."""
-    sides = [parse_piecewise(one_line(side.text), system.states) for side in system.rhs]
-    places = [list(_places(side.tree, side, system)) for side in sides]
+    places = [list(_places(side.tree, side, system)) for side in system.rhs]
     count = sum(map(len, places))
     if not count:
         return [system.rhs]
@@ -484,19 +463,25 @@ def _between(system: SwitchedSystem) -> list[tuple[PiecewiseExpression, ...]]:
         raise NoEnclosureError(f"over {MOST_PLACES} irrational numbers in a right-hand side")
     found = []
     for chosen in product((0, 1), repeat=count):
-        numbers = iter(chosen)
-        at = [[(own, next(numbers)) for own in listed] for listed in places]
-        texts = [_replaced(side.text, own) for side, own in zip(sides, at, strict=True)]
-        found.append(tuple(parse_piecewise(text, system.states) for text in texts))
+        ends = iter(chosen)
+        at = [{node: bounds[next(ends)] for node, bounds in listed} for listed in places]
+        sides = [_with_bounds(side.tree, own) for side, own in zip(system.rhs, at, strict=True)]
+        found.append(tuple(_of_tree(side, system.states) for side in sides))
     return found
 
 
-def _places(node: ast.expr, whole: PiecewiseExpression, system: SwitchedSystem) -> Iterator[Place]:
-    """The irrational numbers of a part of a formula, from the left to the right."""
+def _with_bounds(tree: ast.expr, bounds: Mapping[ast.expr, Fraction]) -> ast.expr:
+    return replaced(tree, lambda node: number(bounds[node]) if node in bounds else None)
+
+
+def _places(
+    node: ast.expr, whole: PiecewiseExpression, system: SwitchedSystem
+) -> Iterator[tuple[ast.expr, tuple[Fraction, Fraction]]]:
+    """The irrational numbers of a part of a formula, from the left to the right, with rational ones beside."""
     if node in whole.numbers:
-        number = whole.numbers[node].value(system.field)
-        if number.as_rational() is None:
-            yield Place(node.col_offset, node.end_col_offset or 0, bounds_of(number))
+        value = whole.numbers[node].value(system.field)
+        if value.as_rational() is None:
+            yield node, bounds_of(value)
         return
     match node:
         case ast.UnaryOp():
@@ -515,10 +500,3 @@ def bounds_of(number: Number) -> tuple[Fraction, Fraction]:
     ball, (_, exponent) = number.accurate_ball(PRECISION), frexp(float(number))
     scale = Fraction(2) ** (BITS - exponent)
     return floor(rational_below(ball) * scale) / scale, ceil(rational_above(ball) * scale) / scale
-
-
-def _replaced(text: str, chosen: list[tuple[Place, int]]) -> str:
-    """A formula with one of the bounds at each place."""
-    for place, which in reversed(chosen):
-        text = f"{text[: place.start]}({place.bounds[which]}){text[place.end :]}"
-    return text

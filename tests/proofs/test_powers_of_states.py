@@ -138,7 +138,7 @@ def test_formulas_are_restored_as_powers_of_their_states() -> None:
     for text in ("-Abs(x)**(2/3)*x + y", "sqrt(Abs(x)) - Abs(x)**(1/6)", "y*Abs(x)**(5/3)"):
         assert roots.restored(str(roots.extended(text))) == text
     assert roots.restored("root_x**4 - root_x ** 2*y + root_x**12") == "Abs(x)**(2/3) - Abs(x)**(1/3)*y + Abs(x)**2"
-    assert roots.seen("Abs(x)**(2/3)*x") == "(Abs(root_x)**4)*(root_x*Abs(root_x)**5)"
+    assert roots.seen("Abs(x)**(2/3)*x") == "Abs(root_x)**4*(root_x*Abs(root_x)**5)"
     assert roots.seen("sqrt(Abs(x))**2") == "(Abs(root_x)**3)**2"
     assert roots.time_scale == "6*Abs(root_x)**5"
 

@@ -35,9 +35,9 @@ from nonsmooth.proofs.systems.ray_moves import decide_constant_fan
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.files.documents import builtin_scenes, builtin_systems
 from nonsmooth.symbolic.files.scene_file import load_any, load_scene, load_system, system_descriptions
-from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.formulas.surfaces import switching_factors
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_field import NumberField

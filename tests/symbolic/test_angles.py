@@ -15,7 +15,7 @@ from mpmath import mp
 from nonsmooth.proofs.certificate import scene_record
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.scene_values import AngleReading, read_angle, read_start_angle
-from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import AngleUnit, LengthUnit, SpeedUnit, Units
 from nonsmooth.symbolic.messages.scene_error import SceneError

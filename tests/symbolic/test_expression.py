@@ -13,14 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from nonsmooth.symbolic.formulas.expression import (
-    MAX_LENGTH,
-    ExpressionError,
-    decimal_value,
-    parse,
-    parse_tree,
-    turn_of,
-)
+from nonsmooth.symbolic.formulas.expression import parse, turn_of
+from nonsmooth.symbolic.formulas.trees import MAX_LENGTH, ExpressionError, decimal_value, parse_tree
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from tests.thorough import examples, few

@@ -22,7 +22,7 @@ from nonsmooth.reports.output.console import BAD_INPUT, run
 from nonsmooth.symbolic.files.documents import MAX_NESTING, MAX_PARTS, toml_excess
 from nonsmooth.symbolic.files.scene_file import load_any, load_scene
 from nonsmooth.symbolic.files.scene_values import read_exact, read_start_angle
-from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.messages.scene_error import RULES, SceneError, StatedFact, is_meant, shown
 from nonsmooth.symbolic.numbers import enclosures

@@ -8,8 +8,7 @@ from typing import Any
 
 import nonsmooth as ns
 from nonsmooth.symbolic.formulas.cleared_fractions import float_value
-from nonsmooth.symbolic.formulas.expression import parse_tree
-from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
+from nonsmooth.symbolic.formulas.trees import MAX_TEXT, parse_tree
 
 BUILT_IN = (
     "eq-3",
