@@ -236,11 +236,6 @@ def minus(tree: ast.expr) -> ast.expr:
     return ast.UnaryOp(ast.USub(), tree)
 
 
-def difference(left: ast.expr, right: ast.expr) -> ast.expr:
-    """``a - b``."""
-    return left if _is(right, 0) else ast.BinOp(left, ast.Sub(), right)
-
-
 def quotient(top: ast.expr, bottom: ast.expr) -> ast.expr:
     """``a/b``."""
     return top if _is(bottom, 1) else ast.BinOp(top, ast.Div(), bottom)
@@ -287,7 +282,7 @@ _JOINTS: dict[type[ast.operator], tuple[str, int, int, int]] = {  # with how tig
     ast.Div: ("/", 2, 2, 3),
     ast.Pow: ("**", 4, 5, 3),
 }
-_UNARY, _TIGHTEST = 3, 5
+_UNARY = 3
 
 
 def written(tree: ast.expr) -> str:
