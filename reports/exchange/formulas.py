@@ -9,11 +9,9 @@ from __future__ import annotations
 
 import ast
 import math
-import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nonsmooth.reports.exchange.reading import Reading
@@ -24,8 +22,7 @@ from nonsmooth.symbolic.formulas.formula_text import (
     indicator,
     product_text,
 )
-from nonsmooth.symbolic.formulas.piecewise import EXTREMES, SIGNS
-from nonsmooth.symbolic.formulas.trees import OPERATIONS, formula_tree, literal_value
+from nonsmooth.symbolic.formulas.trees import Arithmetic, formula_tree
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 
 if TYPE_CHECKING:
@@ -33,66 +30,6 @@ if TYPE_CHECKING:
 
     from nonsmooth.proofs.systems.findings import ExaminedFunction
     from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-
-
-@dataclass(frozen=True)
-class Target:
-    """How a library or a language writes formulas.
-
-    Attributes:
-        number: of a rational number.
-        pi: the number.
-        functions: sgn, Abs, Max and Min of two, sqrt, and those of :data:`SMOOTH`.
-        operators: of the classes of Python's grammar: Add, Sub, Mult, Div, USub and Pow.
-    """
-
-    number: Callable[[Fraction], Any]
-    pi: Any
-    functions: Mapping[str, Callable[..., Any]]
-    operators: Mapping[type, Callable[..., Any]]
-
-    def written(self, node: ast.expr, names: Mapping[str, Any]) -> Any:
-        """A part of a formula in the target.
-
-        Args:
-            node: the part.
-            names: what stands for each state.
-        """
-        match node:
-            case ast.Constant():
-                return self.number(literal_value(node))
-            case ast.Name(id=name):
-                return self.pi if name == "pi" and name not in names else names[name]
-            case ast.UnaryOp(op=ast.USub()):
-                return self.operators[ast.USub](self.written(node.operand, names))
-            case ast.UnaryOp():
-                return self.written(node.operand, names)
-            case ast.BinOp(op=ast.Pow()):
-                is_whole = isinstance(node.right, ast.Constant)
-                exponent = ast.literal_eval(node.right) if is_whole else self.written(node.right, names)
-                return self.operators[ast.Pow](self.written(node.left, names), exponent)
-            case ast.BinOp():
-                sides = (self.written(side, names) for side in (node.left, node.right))
-                return self.operators[type(node.op)](*sides)
-            case ast.Call(func=ast.Name(id=name)):
-                return self._called(name, [self.written(argument, names) for argument in node.args])
-        raise TypeError(f"required a formula, received {ast.dump(node)}")
-
-    def _called(self, name: str, arguments: list[Any]) -> Any:
-        """A function of formulas; ``relu`` and ``sat`` are written by Max and Min, these two by two."""
-        largest, smallest = self.functions["Max"], self.functions["Min"]
-        if name == "relu":
-            return largest(arguments[0], self.number(Fraction(0)))
-        if name == "sat":
-            return largest(arguments[1], smallest(arguments[2], arguments[0]))
-        if name in EXTREMES:
-            return reduce(largest if EXTREMES[name] > 0 else smallest, arguments)
-        return self.functions["sgn" if name in SIGNS else name](*arguments)
-
-
-def _objects(number: Callable[[Fraction], Any], pi: Any, functions: Mapping[str, Callable[..., Any]]) -> Target:
-    """A target whose formulas are objects with Python's operators."""
-    return Target(number, pi, functions, {**OPERATIONS, ast.Pow: operator.pow, ast.USub: operator.neg})
 
 
 # ---- what is written -----------------------------------------------------------------------------
@@ -131,7 +68,7 @@ class FieldFormulas:
     lyapunov: str | None
     point: tuple[str, ...]
 
-    def written(self, target: Target, names: Sequence[Any]) -> tuple[list[list[Any]], Any]:
+    def written(self, target: Arithmetic, names: Sequence[Any]) -> tuple[list[list[Any]], Any]:
         """All fields, and V or None, in a target.
 
         Args:
@@ -157,7 +94,7 @@ class FieldFormulas:
 
         functions = {"sgn": sympy.sign, **{name: getattr(sympy, name) for name in _NAMED}}
         states = tuple(sympy.Symbol(name, real=True) for name in self.states)
-        target = _objects(lambda value: sympy.Rational(value.numerator, value.denominator), sympy.pi, functions)
+        target = Arithmetic(lambda value: sympy.Rational(value.numerator, value.denominator), sympy.pi, functions)
         fields, lyapunov = self.written(target, states)
         return SympyField(states, tuple(tuple(map(sympy.sympify, field)) for field in fields), lyapunov)
 
@@ -171,7 +108,7 @@ class FieldFormulas:
         functions = {"Abs": casadi.fabs, "Max": casadi.fmax, "Min": casadi.fmin, "sgn": casadi.sign}
         functions |= {name: getattr(casadi, name) for name in ("sqrt", *SMOOTH)}
         x = casadi.SX.sym("x", len(self.states))
-        target = _objects(lambda value: casadi.SX(float(value)), casadi.SX(casadi.pi), functions)
+        target = Arithmetic(lambda value: casadi.SX(float(value)), casadi.SX(casadi.pi), functions)
         fields, lyapunov = self.written(target, x.elements())
         made = tuple(casadi.Function("field", [x], [casadi.vertcat(*own)], ["x"], ["dx"]) for own in fields)
         return CasadiField(made, None if lyapunov is None else casadi.Function("V", [x], [lyapunov], ["x"], ["V"]))
@@ -194,9 +131,9 @@ SMOOTH = ("sin", "cos", "tanh", "atan", "exp")
 _NAMED = ("Abs", "Max", "Min", "sqrt", *SMOOTH)
 
 
-def _formula(target: Target, text: str, names: Mapping[str, Any]) -> Any:
+def _formula(target: Arithmetic, text: str, names: Mapping[str, Any]) -> Any:
     try:
-        return target.written(formula_tree(text), names)
+        return target.value(formula_tree(text), names)
     except OverflowError:
         raise SceneError(text, "", "numbers within the range of floats", StatedFact("another")) from None
 
@@ -222,10 +159,10 @@ def _number(value: Fraction) -> str:
     return f"({value.numerator}.0 / {value.denominator}.0)"
 
 
-def _target(names: dict[str, str], pi: str, power: Callable[..., str]) -> Target:
+def _target(names: dict[str, str], pi: str, power: Callable[..., str]) -> Arithmetic:
     functions = {name: f"{called}({{}})".format for name, called in names.items() if name not in ("Max", "Min")}
     functions |= {name: f"{names[name]}({{}}, {{}})".format for name in ("Max", "Min")}
-    return Target(_number, pi, functions, {**_OPERATORS, ast.Pow: power})
+    return Arithmetic(_number, pi, functions, {**_OPERATORS, ast.Pow: power})
 
 
 _SAME = {name: name for name in ("sgn", "sqrt", *SMOOTH)}
@@ -246,7 +183,7 @@ def _head(formulas: FieldFormulas) -> list[str]:
     return said
 
 
-def _functions(formulas: FieldFormulas, target: Target) -> tuple[list[tuple[str, list[str]]], str | None]:
+def _functions(formulas: FieldFormulas, target: Arithmetic) -> tuple[list[tuple[str, list[str]]], str | None]:
     """The fields by their names, and V."""
     fields, lyapunov = formulas.written(target, [f"x[{k}]" for k in range(len(formulas.states))])
     names = ["field"] if len(fields) == 1 else [f"field_{k}" for k in range(1, len(fields) + 1)]

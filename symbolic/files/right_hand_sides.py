@@ -18,11 +18,11 @@ from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
 from nonsmooth.symbolic.files.system_document import names_in, parameter_texts, with_parameters
-from nonsmooth.symbolic.formulas.cleared_fractions import Clearing, float_value
+from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
 from nonsmooth.symbolic.formulas.enclosed_functions import Wave, enclosing_formulas, named_formulas
 from nonsmooth.symbolic.formulas.expression import formula_refused
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
-from nonsmooth.symbolic.formulas.trees import ExpressionError, formula_tree, names_of
+from nonsmooth.symbolic.formulas.trees import ExpressionError, float_value, formula_tree, names_of
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 

@@ -9,19 +9,19 @@ choose, and whoever decides stability proves that all denominators are positive 
 from __future__ import annotations
 
 import ast
-import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from nonsmooth.symbolic.formulas.enclosed_functions import has_waves
-from nonsmooth.symbolic.formulas.piecewise import SIGNS, SWITCHES
+from nonsmooth.symbolic.formulas.piecewise import SWITCHES
 from nonsmooth.symbolic.formulas.trees import (
     MAX_TEXT,
     ONE,
-    OPERATIONS,
+    SIGNS,
     ExpressionError,
     called,
+    float_value,
     formula_tree,
     minus,
     multiplied,
@@ -31,62 +31,6 @@ from nonsmooth.symbolic.formulas.trees import (
     written,
 )
 from nonsmooth.symbolic.messages.scene_error import shown
-
-# ---- the value of a formula in floats ------------------------------------------------------------
-#
-# By walking its tree: nothing is evaluated as text, and floats only propose.
-
-
-_FUNCTIONS: dict[str, Callable[..., float]] = {
-    "sin": math.sin,
-    "cos": math.cos,
-    "tanh": math.tanh,
-    "atan": math.atan,
-    "exp": math.exp,
-    "sqrt": math.sqrt,
-    "Abs": abs,
-    "Max": max,
-    "max": max,
-    "Min": min,
-    "min": min,
-    "sign": lambda a: float((a > 0) - (a < 0)),
-    "sgn": lambda a: float((a > 0) - (a < 0)),
-    "relu": lambda a: max(a, 0.0),
-    "sat": lambda a, low, high: max(low, min(high, a)),
-}
-
-
-def float_value(node: ast.expr, values: Mapping[str, float], text: str) -> float:
-    """The value of a part of a formula.
-
-    Args:
-        node: the part.
-        values: of the states.
-        text: the whole formula, for messages.
-
-    Raises:
-        ExpressionError: for anything that is no formula of the states, and where there is no finite value.
-    """
-    try:
-        match node:
-            case ast.Constant(value=int() | float() as number):
-                return float(number)
-            case ast.Name(id=name):
-                return math.pi if name == "pi" else values[name]
-            case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
-                inner = float_value(node.operand, values, text)
-                return -inner if isinstance(node.op, ast.USub) else inner
-            case ast.BinOp():
-                left, right = (float_value(side, values, text) for side in (node.left, node.right))
-                return float(left**right if isinstance(node.op, ast.Pow) else OPERATIONS[type(node.op)](left, right))
-            case ast.Call(func=ast.Name(id=name), keywords=[]):
-                return _FUNCTIONS[name](*(float_value(argument, values, text) for argument in node.args))
-    except (KeyError, TypeError, ValueError, ArithmeticError):
-        pass
-    raise ExpressionError(f"required a formula of the states with a finite value, received {shown(text)}")
-
-
-# ---- fractions -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,12 @@ from typing import TypeAlias
 
 from nonsmooth.symbolic.formulas.expression import Expression, parse, turns_in
 from nonsmooth.symbolic.formulas.trees import (
+    EXTREMES,
+    LIMITERS,
     MAX_DEPTH,
     MAX_TEXT,
     OPERATIONS,
+    SIGNS,
     ExpressionError,
     names_of,
     parse_tree,
@@ -32,9 +35,6 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 MAX_DEGREE = 16  # of a smooth piece
 
-SIGNS = ("sign", "sgn")
-EXTREMES = {"Max": 1, "max": 1, "Min": -1, "min": -1}  # the sign of Abs(a - b)
-LIMITERS = {"relu": 1, "sat": 3}  # with their numbers of arguments
 SWITCHES = (*SIGNS, "Abs", *EXTREMES, *LIMITERS)
 NUMBERS = ("pi", "sqrt", "sin", "cos")
 

@@ -9,10 +9,12 @@ rewrites a formula builds another one, which may share parts with the first.
 from __future__ import annotations
 
 import ast
+import math
 import operator
 import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from functools import lru_cache, reduce
@@ -29,6 +31,9 @@ DEEPEST = 250  # of anything: whoever walks a tree may do so by recursion
 _WITH_UNIT = re.compile(r"([0-9]{1,20}(?:\.[0-9]{1,20})?) ?(%|kg|g|lb|N|m|cm|mm|in|(?:m|cm|mm|in)/s|s)")
 _ABS = re.compile(r"\babs *\(")  # read as Abs, the one name that certificates and the checker know
 _OTHER_DIGITS = re.compile(r"(?<![\w.])0[box]\w*", re.IGNORECASE)  # Python's integers to other bases
+SIGNS = ("sign", "sgn")
+EXTREMES = {"Max": 1, "max": 1, "Min": -1, "min": -1}  # the sign of Abs(a - b)
+LIMITERS = {"relu": 1, "sat": 3}  # with their numbers of arguments
 OPERATIONS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {  # in any arithmetic
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -202,6 +207,92 @@ def replaced(tree: ast.expr, change: Callable[[ast.expr], ast.expr | None]) -> a
 def with_names(tree: ast.expr, meanings: Mapping[str, ast.expr]) -> ast.expr:
     """The tree with formulas in place of names."""
     return replaced(tree, lambda node: meanings.get(node.id) if isinstance(node, ast.Name) else None)
+
+
+# ---- values --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Arithmetic:
+    """An arithmetic in which formulas have values; also a library or a language that has formulas of its own.
+
+    Attributes:
+        number: of a rational number.
+        pi: the number.
+        functions: sgn, Abs, Max and Min of two, and others by their names.
+        operators: of the classes of Python's grammar: Add, Sub, Mult, Div, USub and Pow.
+    """
+
+    number: Callable[[Fraction], Any]
+    pi: Any
+    functions: Mapping[str, Callable[..., Any]]
+    operators: Mapping[type, Callable[..., Any]] = field(
+        default_factory=lambda: {**OPERATIONS, ast.Pow: operator.pow, ast.USub: operator.neg}
+    )
+
+    def value(self, node: ast.expr, names: Mapping[str, Any]) -> Any:
+        """The value of a formula.
+
+        Args:
+            node: the formula, or a part of it.
+            names: what stands for each name.
+
+        Raises:
+            TypeError: for what is no formula.
+            KeyError: for a name, or a function, that has no meaning here.
+        """
+        match node:
+            case ast.Constant():
+                return self.number(literal_value(node))
+            case ast.Name(id=name):
+                return self.pi if name == "pi" and name not in names else names[name]
+            case ast.UnaryOp(op=ast.USub()):
+                return self.operators[ast.USub](self.value(node.operand, names))
+            case ast.UnaryOp(op=ast.UAdd()):
+                return self.value(node.operand, names)
+            case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(exponent))):
+                return self.operators[ast.Pow](self.value(node.left, names), exponent)
+            case ast.BinOp():
+                return self.operators[type(node.op)](self.value(node.left, names), self.value(node.right, names))
+            case ast.Call(func=ast.Name(id=name), keywords=[]):
+                return self._called(name, [self.value(argument, names) for argument in node.args])
+        raise TypeError(f"required a formula, received {ast.dump(node)}")
+
+    def _called(self, name: str, arguments: list[Any]) -> Any:
+        """A function of formulas; ``relu`` and ``sat`` are written by Max and Min, these two by two."""
+        largest, smallest = self.functions["Max"], self.functions["Min"]
+        if name == "relu":
+            return largest(arguments[0], self.number(Fraction(0)))
+        if name == "sat":
+            return largest(arguments[1], smallest(arguments[2], arguments[0]))
+        if name in EXTREMES:
+            return reduce(largest if EXTREMES[name] > 0 else smallest, arguments)
+        return self.functions["sgn" if name in SIGNS else name](*arguments)
+
+
+FLOATS = Arithmetic(
+    float,
+    math.pi,
+    {name: getattr(math, name) for name in ("sin", "cos", "tanh", "atan", "exp", "sqrt")}
+    | {"Abs": abs, "Max": max, "Min": min, "sgn": lambda a: float((a > 0) - (a < 0))},
+)
+
+
+def float_value(node: ast.expr, values: Mapping[str, float], text: str) -> float:
+    """The value of a part of a formula in floats, which only propose.
+
+    Args:
+        node: the part.
+        values: of the states.
+        text: the whole formula, for messages.
+
+    Raises:
+        ExpressionError: for anything that is no formula of the states, and where there is no finite value.
+    """
+    try:
+        return float(FLOATS.value(node, values))
+    except (KeyError, IndexError, TypeError, ValueError, ArithmeticError):
+        raise ExpressionError(f"required a formula of the states with a finite value, received {shown(text)}") from None
 
 
 # ---- put together --------------------------------------------------------------------------------

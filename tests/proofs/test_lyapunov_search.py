@@ -29,8 +29,8 @@ from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, in_time, pro
 from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.symbolic.formulas.cleared_fractions import float_value
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.formulas.trees import float_value
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem

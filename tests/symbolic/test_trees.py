@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.symbolic.files.scene_file import load_system
-from nonsmooth.symbolic.formulas.cleared_fractions import float_value
 from nonsmooth.symbolic.formulas.trees import (
     DEEPEST,
     ExpressionError,
+    float_value,
     formula_tree,
     literal_value,
     multiplied,

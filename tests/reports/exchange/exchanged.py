@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import nonsmooth as ns
-from nonsmooth.symbolic.formulas.cleared_fractions import float_value
-from nonsmooth.symbolic.formulas.trees import MAX_TEXT, parse_tree
+from nonsmooth.symbolic.formulas.trees import MAX_TEXT, float_value, parse_tree
 
 BUILT_IN = (
     "eq-3",
