@@ -116,7 +116,7 @@ def test_motion_along_a_surface_is_told_without_the_zeros_of_the_state_that_it_g
     """They stood there as ``y' = -y**3 + 0``."""
     rhs = ["-sign(x)", "-y**3 + x", "x - z**5 + y*z - x"]
     (surface,) = slides(ns.System(list("xyz"), rhs).system)
-    assert surface.words == "x = 0 and slide there, where y' = -y**3, z' = 0 - z**5 + y*z"
+    assert surface.words == "x = 0 and slide there, where y' = -y**3, z' = -z**5 + y*z"
 
 
 @few(3)

@@ -486,7 +486,7 @@ def test_irrational_gains_are_certified() -> None:
     """Super-twisting with ``3/2 sqrt(L)`` and ``11/10 L``, L = 2: the number has a name, and its polynomial."""
     record = certified(IRRATIONAL)
     subject = record["statement"]["subject"]
-    assert subject["rhs"] == [[f"(-3/2*sqrt_2)*{ROOT} + y", "-11/5*sgn(x)"]]
+    assert subject["rhs"] == [[f"-3/2*sqrt_2*{ROOT} + y", "-11/5*sgn(x)"]]
     assert subject["numbers"] == [{"name": "sqrt_2", "polynomial": ["-2", "0", "1"], "above": "0"}]
     assert {"arrives": "in finite time"} in record["statement"]["claims"]
     assert not refused(record)
@@ -525,7 +525,7 @@ def test_a_point_beside_roots_is_rational() -> None:
 
 def test_functions_of_numbers_beside_roots_are_written_as_numbers() -> None:
     record = certified([f"-sqrt(4)*{ROOT} + y", "-2*sin(pi/6)*sgn(x)"])
-    assert record["statement"]["subject"]["rhs"] == [[f"(-2)*{ROOT} + y", "(-1)*sgn(x)"]]
+    assert record["statement"]["subject"]["rhs"] == [[f"-2*{ROOT} + y", "-1*sgn(x)"]]
     assert "numbers" not in record["statement"]["subject"]
     assert not refused(record)
 

@@ -526,7 +526,7 @@ def test_formulas_are_complete_and_mean_the_same(tmp_path: Path) -> None:
     rhs = '["v", "-k1*sign(x) - k*v*1e1"]'
     system = load_system(written(tmp_path, rhs, '{ k = 0.5, k1 = "sqrt(2)" }', 'lyapunov = "k1*Abs(x) + v**2/2"'))
     assert [side.text for side in system.rhs] == ["v", "-sqrt(2)*sign(x) - 0.5*v*1e1"]
-    assert system.check.lyapunov.text == "(sqrt(2))*Abs(x) + v**2/2"
+    assert system.check.lyapunov.text == "sqrt(2)*Abs(x) + v**2/2"
     velocity = system.velocity(lambda surface: 1)
     assert float(velocity[1]([system.field(1), system.field(2)])) == pytest.approx(-(2**0.5) - 10)
 
