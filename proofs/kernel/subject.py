@@ -20,7 +20,7 @@ from typing import Any
 from nonsmooth.proofs.findings import Generators, Record
 from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO, Wave
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.formulas.trees import formula_tree, with_names, written
+from nonsmooth.symbolic.formulas.trees import formula_tree, replaced, with_names, written
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import bits
 from nonsmooth.symbolic.numbers.number import Number, Tower
@@ -127,18 +127,15 @@ def _irrational_numbers(system: SwitchedSystem) -> Iterator[Number]:
     yield from (value for value in system.check.equilibrium if value.as_rational() is None)
 
 
-def _numbers_of(formula: PiecewiseExpression, system: SwitchedSystem) -> list[tuple[ast.expr, Number]]:
-    """The largest parts of a formula that are numbers and irrational, or written with a function, from left to right.
+def _numbers_of(formula: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[ast.expr, Number]]:
+    """The largest parts of a formula that are numbers and irrational, or written with a function.
 
     The checker reads no function of numbers: ``sqrt(4)`` and ``sin(pi/6)`` are rational, too.
     """
-    found = []
     for node, expression in formula.numbers.items():
-        if isinstance(node, ast.expr):
-            number = expression.value(system.field)
-            if number.as_rational() is None or any(isinstance(part, ast.Call) for part in ast.walk(node)):
-                found.append((node, number))
-    return sorted(found, key=lambda own: own[0].col_offset)
+        number = expression.value(system.field)
+        if number.as_rational() is None or any(isinstance(part, ast.Call) for part in ast.walk(node)):
+            yield node, number
 
 
 # ---- sines and cosines of states --------------------------------------------------------------
@@ -223,11 +220,8 @@ def exact_text(value: Number | Fraction) -> str:
 
 def formula_in_names(formula: PiecewiseExpression, system: SwitchedSystem) -> str:
     """A formula with every irrational number in the names of generators, and no function of numbers."""
-    own = parse_piecewise(one_line(formula.text), system.states)
-    text = own.text
-    for node, number in reversed(_numbers_of(own, system)):
-        text = f"{text[: node.col_offset]}({number_in_names(number)}){text[node.end_col_offset :]}"
-    return text
+    named = {node: formula_tree(number_in_names(number)) for node, number in _numbers_of(formula, system)}
+    return written(replaced(formula.tree, named.get)) if named else one_line(formula.text)
 
 
 def polynomial_in_names(polynomial: Polynomial) -> str:

@@ -93,16 +93,16 @@ class PiecewiseExpression:
         return frozenset(node for node in smooth - inner if not isinstance(node, ast.Name))
 
     @cached_property
-    def numbers(self) -> Mapping[ast.AST, Expression]:
-        """The largest parts without states, read once for all pieces."""
-        found: dict[ast.AST, Expression] = {}
-        waiting: list[ast.AST] = [self.tree]
+    def numbers(self) -> Mapping[ast.expr, Expression]:
+        """The largest parts without states, from left to right, read once for all pieces."""
+        found: dict[ast.expr, Expression] = {}
+        waiting = [self.tree]
         while waiting:
             node = waiting.pop()
-            if isinstance(node, ast.expr) and self.is_constant(node):
+            if self.is_constant(node):
                 found[node] = _constant(node)
             else:
-                waiting += ast.iter_child_nodes(node)
+                waiting += reversed([part for part in ast.iter_child_nodes(node) if isinstance(part, ast.expr)])
         return found
 
 

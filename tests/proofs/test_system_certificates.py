@@ -176,9 +176,9 @@ def test_irrational_numbers_stand_for_themselves_in_the_plane() -> None:
 @pytest.mark.parametrize(
     ("written", "plain"),
     [
-        (["-sin(pi/6)*x"], ["-(1/2)*x"]),
-        (["-sqrt(4)*x"], ["-(2)*x"]),
-        (["-x*sin(pi/6) + y", "-y - sign(y)*sqrt(4)"], ["-x*(1/2) + y", "-y - sign(y)*(2)"]),
+        (["-sin(pi/6)*x"], ["-1/2*x"]),
+        (["-sqrt(4)*x"], ["-2*x"]),
+        (["-x*sin(pi/6) + y", "-y - sign(y)*sqrt(4)"], ["-x*(1/2) + y", "-y - sign(y)*2"]),
     ],
 )
 def test_functions_of_numbers_that_are_rational_are_that_number(written: list[str], plain: list[str]) -> None:
@@ -186,7 +186,7 @@ def test_functions_of_numbers_that_are_rational_are_that_number(written: list[st
     states = ["x", "y"][: len(plain)]
     (one, other) = (ns.System(states, rhs, name="one").check().certificate() for rhs in (written, plain))
     assert one["statement"]["claims"] == other["statement"]["claims"]
-    assert one == json.loads(json.dumps(other).replace("-(1/2)*x", "(-1/2)*x").replace("-(2)*x", "(-2)*x"))
+    assert one == other
 
 
 @pytest.mark.parametrize("rhs", [["-x + 1e200*y", "-y"], ["-x - 1e400*y", "-y"], ["-1e300*x + y", "-1e-300*y"]])
