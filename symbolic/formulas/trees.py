@@ -352,11 +352,21 @@ def total(terms: Iterable[ast.expr]) -> ast.expr:
 
 
 def multiplied(*factors: ast.expr) -> ast.expr:
-    """A product: zero where one factor is."""
+    """A product, its sign in front: zero where one factor is."""
     if any(_is(factor, 0) for factor in factors):
         return ZERO
-    others = [factor for factor in factors if not _is(factor, 1)]
-    return reduce(lambda left, right: ast.BinOp(left, ast.Mult(), right), others) if others else ONE
+    is_negative, others = False, []
+    for factor in factors:
+        own = factor
+        if isinstance(factor, ast.UnaryOp) and isinstance(factor.op, ast.USub):
+            is_negative, own = not is_negative, factor.operand
+        if not _is(own, 1):
+            others.append(own)
+    first, *rest = others or [ONE]
+    found = minus(first) if is_negative else first
+    for own in rest:
+        found = ast.BinOp(found, ast.Mult(), own)
+    return found
 
 
 def _is(node: ast.expr, value: int) -> bool:

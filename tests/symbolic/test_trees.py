@@ -94,7 +94,7 @@ def test_decimals_keep_their_digits(text: str) -> None:
     [
         (total([number(0), number(-2), ast.Name("x")]), "-2 + x"),
         (total([ast.Name("x"), number(Fraction(-2, 3))]), "x - 2/3"),
-        (multiplied(number(1), ast.Name("x"), number(Fraction(-1, 2))), "x*(-(1/2))"),
+        (multiplied(number(1), ast.Name("x"), number(Fraction(-1, 2))), "-x*(1/2)"),
         (multiplied(number(0), ast.Name("x")), "0"),
         (quotient(ast.Name("x"), number(1)), "x"),
         (total([]), "0"),
