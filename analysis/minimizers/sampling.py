@@ -33,6 +33,7 @@ from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane_arrays import (
     Floats,
     Mask,
+    grid_points,
     norms,
     places_of,
     point_velocities,
@@ -220,8 +221,7 @@ def sample_field(scene: Scene, count: int) -> SampledField:
         raise RefusalError(f"friction: required friction against every motion, received: {free}")
     centred, rule = scene.recentred(), smooth_rule_of(scene)
     radius = scene.check.half_width
-    x, y = np.meshgrid(*[np.linspace(-radius, radius, count)] * 2)
-    places = np.column_stack([x.ravel(), y.ravel()])
+    places = grid_points(*[np.linspace(-radius, radius, count)] * 2)
     minima = minima_under(rule, centred, places)
     velocities, omega = point_velocities(minima.twists, places), minima.twists[:, 2]
     unknown = ~proved(minima)
