@@ -32,11 +32,13 @@ from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane_arrays import (
     Floats,
     are_finite,
+    cross,
     field_beside,
     float_points,
+    following,
     norm,
+    norms,
     point_velocities,
-    polygon_sides,
 )
 
 Velocity: TypeAlias = Callable[[Floats], Floats]
@@ -286,8 +288,13 @@ def _standing(scene: Scene) -> float:
     corners = support_polygon(outer_positions(scene.positions))
     if len(corners) < 3:
         return 0.0
-    distance = -polygon_sides(float_points(corners))[:, 2].max()  # zero where floats do not tell corners apart
-    return float(distance) * (1 - 2.0**-30)
+    places = float_points(corners)
+    along = following(places) - places
+    lengths = norms(along)
+    if not lengths.all():  # floats do not tell corners apart that are far away
+        return 0.0
+    distances = (cross(places, along)) / lengths
+    return float(distances.min()) * (1 - 2.0**-30)
 
 
 # ---- centres, proposed by floats ---------------------------------------------------------------
