@@ -15,9 +15,9 @@ from nonsmooth.symbolic.numbers.plane_arrays import (
     Floats,
     Indices,
     float_points,
-    following,
     norm,
     norms,
+    polygon_sides,
     row_products,
     spread,
     turned,
@@ -39,9 +39,8 @@ class MovingOutline:
             self.size = self._radius + norm(self._middle)
             return
         corners = float_points(body.vertices)
-        along = following(corners) - corners
-        self._normals = -turned(along) / norms(along)[:, None]
-        self._heights = row_products(self._normals, corners)
+        sides = polygon_sides(corners)
+        self._normals, self._heights = sides[:, :2], -sides[:, 2]
         self.corners = corners
         self.size = float(norms(corners).max())
 

@@ -314,23 +314,7 @@ class FloatShape(CutEllipse[Any]):
     lies inside every set.
     """
 
-    def piece(self, r: Any, s: Any) -> NoReturn:
-        """Refused."""
-        self.refuse()
-
-    def gradient(self, r: Any, s: Any) -> NoReturn:
-        """Refused."""
-        self.refuse()
-
-    def bend(self, r: Any, s: Any) -> NoReturn:
-        """Refused."""
-        self.refuse()
-
-    def holds_strictly(self, x: Any, y: Any) -> NoReturn:
-        """Refused."""
-        self.refuse()
-
-    def refuse(self) -> NoReturn:
+    def refuse(self, *asked: Any, **named: Any) -> NoReturn:
         """Say that nothing is proved.
 
         Raises:
@@ -338,3 +322,5 @@ class FloatShape(CutEllipse[Any]):
         """
         shape = type(self).__name__
         raise RefusalError(f"required friction sets with exact forces, received {shape}: nothing is proved of it")
+
+    piece = gradient = bend = holds_strictly = refuse  # what proofs ask for

@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from statistics import linear_regression
 from typing import Any, TypeAlias, TypeVar, cast
 
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -376,12 +377,7 @@ def log_slope(settings: Sequence[float], errors: Sequence[float]) -> float:
     Raises:
         ValueError: for fewer than two different settings.
     """
-    xs, ys = [math.log(s) for s in settings], [math.log(e) for e in errors]
-    if len(set(xs)) < 2:
-        raise ValueError(f"required at least two different settings, received {sorted(set(settings))}")
-    middle, height = sum(xs) / len(xs), sum(ys) / len(ys)
-    spread = sum((x - middle) ** 2 for x in xs)
-    return sum((x - middle) * (y - height) for x, y in zip(xs, ys, strict=True)) / spread
+    return linear_regression(list(map(math.log, settings)), list(map(math.log, errors))).slope
 
 
 def fitted_slopes(plan: StudyPlan, rows: Sequence[ResultRow]) -> list[FittedSlope]:

@@ -35,7 +35,7 @@ from nonsmooth.symbolic.mechanics.contact_states import ContactState, Row, scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import XY
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, row_products
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, grid_points, row_products
 
 # ---- the upper derivative ------------------------------------------------------------------------
 #
@@ -133,7 +133,7 @@ def _random_points(count: int, seed: int, radius: float) -> Floats:
 def _grid(side: int, radius: float) -> Floats:
     """Midpoints of side x side squares."""
     middles = radius * ((2 * np.arange(side) + 1) / side - 1)
-    return np.stack(np.meshgrid(middles, middles), axis=-1).reshape(-1, 2)
+    return grid_points(middles, middles)
 
 
 UPPER_DERIVATIVE = Study(

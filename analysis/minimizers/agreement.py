@@ -20,7 +20,7 @@ import numpy as np
 from nonsmooth.analysis.cells.cell_complex import float_polygon
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, all_rules, cell_rules
 from nonsmooth.analysis.cells.partition import Cell, Partition
-from nonsmooth.analysis.cells.polygon import Polygon
+from nonsmooth.analysis.cells.polygon import clipped_by
 from nonsmooth.analysis.fields.polygon_field import CellSides
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.minimum import minima_without_proof, proved
@@ -29,7 +29,15 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, norms, places_of, row_norms
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Indices,
+    float_points,
+    grid_points,
+    norms,
+    places_of,
+    row_norms,
+)
 
 RulePair: TypeAlias = tuple[str, str]
 
@@ -52,17 +60,6 @@ class SharedArea:
     shared_twists: tuple[Twist, ...]
 
 
-def intersect(first: Polygon, second: Polygon) -> Polygon | None:
-    """Intersection of two convex polygons; None when it has no area."""
-    common = first
-    for side in second.sides:
-        clipped = common.clipped(side)
-        if clipped is None:
-            return None
-        common = clipped
-    return common
-
-
 def shared_area(first: Partition, second: Partition) -> SharedArea:
     """Exact area of agreement of two partitions of the same square."""
     by_motion: dict[frozenset[Twist], list[Cell]] = defaultdict(list)
@@ -72,7 +69,7 @@ def shared_area(first: Partition, second: Partition) -> SharedArea:
     twists: dict[Twist, None] = {}
     for cell in first.cells:
         for other in by_motion.get(frozenset(cell.twists), []):
-            common = intersect(cell.polygon, other.polygon)
+            common = clipped_by(cell.polygon, other.polygon.sides)
             if common is not None:
                 total = total + common.area
                 twists.update(dict.fromkeys(cell.twists))
@@ -147,7 +144,7 @@ def comparison_grid(scene: Scene) -> Floats:
     """One point in each field of a GRID x GRID raster of the square, off its axes and diagonals, shape (GRID^2, 2)."""
     centre = np.array(scene.check.place)
     across, up = (scene.check.half_width * ((np.arange(GRID) + shift) * 2 / GRID - 1) for shift in (0.5, 0.3))
-    return centre + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2)
+    return centre + grid_points(across, up)
 
 
 def _difference(scene: Scene, points: Floats, first: Floats, second: Floats, missing: str) -> TwistDifference:

@@ -17,7 +17,14 @@ from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, carried_loads
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, finite_rows, norms, row_products, turned
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Indices,
+    Mask,
+    finite_rows,
+    norms,
+    polygon_sides,
+)
 
 ON_HULL = 1e-12  # for orthonormal columns: a point closer to the support polygon counts as on it
 THIN = 1e-10  # ratio of the array's two widths below which wheels count as collinear
@@ -164,8 +171,5 @@ def hull_sides(corners: Floats) -> Floats:
 @lru_cache(maxsize=HULLS)  # a path asks for the loads of one array at thousands of places
 def _hull_sides(corners: bytes) -> Floats:
     """The same, of doubles."""
-    hull = support_polygon(outer_positions([(x, y) for x, y in np.frombuffer(corners).reshape(-1, 2).tolist()]))
-    starts, ends = np.array(hull), np.array([*hull[1:], hull[0]])
-    along = (ends - starts) / norms(ends - starts)[:, None]
-    normals = -turned(along)
-    return np.column_stack([normals, -row_products(normals, starts)])
+    places = [(x, y) for x, y in np.frombuffer(corners).reshape(-1, 2).tolist()]
+    return polygon_sides(np.array(support_polygon(outer_positions(places))))

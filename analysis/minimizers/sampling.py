@@ -8,7 +8,7 @@ a lower bound of the true one; it is reported as sampled, never as proved.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.fields.contact_model import ContactModel
+from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -28,13 +28,13 @@ from nonsmooth.analysis.minimizers.minimum import (
     minima_without_proof,
     proved,
 )
-from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane_arrays import (
     Floats,
     Mask,
+    grid_points,
     norms,
-    places_of,
     point_velocities,
     row_products,
     squared_norms,
@@ -84,56 +84,41 @@ def _largest_rates(points: Floats, rates: Floats, not_certified: str = "") -> Sa
     return SampledDerivative(len(points), float(rates.max()), float(relative[best]), at, not_certified)
 
 
-def literal_twist(scene: Scene, point: Floats) -> Floats:
+def literal_twist(model: ContactModel, point: Floats) -> Floats:
     """Twist of rule ``nearest`` at a point: wheels by distance, larger friction first, greedy to rank three."""
-    return greedy_twist(_by_distance(scene, point))[0]
+    return greedy_twist(model, np.argsort(norms(model.positions - point), kind="stable"))[0]
 
 
 def literal_twists(scene: Scene, points: Floats) -> Floats:
     """:func:`literal_twist` at points (m, 2), shape (m, 3): once for all points with the same nearest wheels."""
-    positions = places_of(scene.wheels)
-    nearest = min(len(positions), NEAREST)
-    distances = np.hypot(*(points[:, None, :] - positions).transpose(2, 0, 1))
-    order = np.argsort(distances, axis=1, kind="stable")[:, :nearest]
-    codes = order @ len(positions) ** np.arange(nearest)
+    model = contact_model(scene)
+    nearest = min(model.wheels, NEAREST)
+    order = np.argsort(norms(points[:, None, :] - model.positions), axis=1, kind="stable")
+    codes = order[:, :nearest] @ model.wheels ** np.arange(nearest)
     _, first, group = np.unique(codes, return_index=True, return_inverse=True)
-    found = [greedy_twist(_by_distance(scene, points[k])) for k in first]
+    found = [greedy_twist(model, order[k]) for k in first]
     twists = np.array([twist for twist, _ in found])[group]
     for number in (k for k, (_, used) in enumerate(found) if used > nearest):  # wheels farther away decide
         members = np.flatnonzero(group == number)
-        twists[members] = [literal_twist(scene, points[k]) for k in members]
+        twists[members] = [greedy_twist(model, order[k])[0] for k in members]
     return twists
 
 
-def _by_distance(scene: Scene, point: Floats) -> list[Wheel]:
-    """The wheels, the nearest first."""
-    return sorted(scene.wheels, key=lambda w: np.hypot(*(point - [float(x) for x in w.position])))
+def greedy_twist(model: ContactRows, ordered: Iterable[int]) -> tuple[Floats, int]:
+    """The twist that keeps the first three independent rows with friction, and how many wheels were asked for rows.
 
-
-def greedy_twist(ordered: Sequence[Wheel]) -> tuple[Floats, int]:
-    """The twist that keeps the first three independent rows with friction, and how many wheels were asked for rows."""
-    rows: list[Floats] = []
-    rhs: list[float] = []
-    used = 0
-    while len(rows) < 3:
-        for normal, speed in _ordered_rows(ordered[used]):
-            rank = np.linalg.matrix_rank(np.array([*rows, normal]), tol=RANK_TOLERANCE)
-            if len(rows) < rank <= 3:
-                rows.append(normal)
-                rhs.append(speed)
-        used += 1
-    return np.linalg.solve(np.array(rows), np.array(rhs)), used
-
-
-def _ordered_rows(wheel: Wheel) -> list[tuple[Floats, float]]:
-    """The rows of a wheel that have friction, with their right-hand sides; the larger friction first."""
-    p, a = (np.array(v, float) for v in (wheel.position, wheel.unit_grip))
-    n, moved = turned(a), turned(p)
-    along, across = (float(speed) for speed in wheel.slip_speeds)
-    roll = float(wheel.friction.roll), np.append(a, a @ moved), along
-    side = float(wheel.friction.side), np.append(n, n @ moved), across
-    ordered = (side, roll) if side[0] > roll[0] else (roll, side)
-    return [(normal, speed) for friction, normal, speed in ordered if friction]
+    It is not a number where no three are independent.
+    """
+    kept: list[int] = []
+    for used, wheel in enumerate(ordered, 1):
+        for row in sorted((2 * wheel, 2 * wheel + 1), key=lambda row: -model.friction[row]):  # the larger one first
+            trial = [*kept, row]
+            size = np.linalg.svd(model.rows[trial], compute_uv=False)[-1] if len(kept) < 3 else 0.0
+            if model.friction[row] and size > RANK_TOLERANCE:
+                kept = trial
+        if len(kept) == 3:
+            return np.asarray(np.linalg.solve(model.rows[kept], model.targets[kept])), used
+    return np.full(3, np.nan), model.wheels
 
 
 def sample_smooth_derivative(scene: Scene, samples: int) -> SampledDerivative:
@@ -220,8 +205,7 @@ def sample_field(scene: Scene, count: int) -> SampledField:
         raise RefusalError(f"friction: required friction against every motion, received: {free}")
     centred, rule = scene.recentred(), smooth_rule_of(scene)
     radius = scene.check.half_width
-    x, y = np.meshgrid(*[np.linspace(-radius, radius, count)] * 2)
-    places = np.column_stack([x.ravel(), y.ravel()])
+    places = grid_points(*[np.linspace(-radius, radius, count)] * 2)
     minima = minima_under(rule, centred, places)
     velocities, omega = point_velocities(minima.twists, places), minima.twists[:, 2]
     unknown = ~proved(minima)

@@ -19,7 +19,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points, following, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points, following, grid_points, norms
 
 
 @dataclass(frozen=True, repr=False)
@@ -111,9 +111,7 @@ def grid_starts(field: ConstantField, count: int) -> Floats:
     if count < 2:
         raise ValueError(f"required at least two starts in a row, received {count}")
     corners = float_points(field.cells.points)
-    axes = [np.linspace(low, high, count) for low, high in zip(corners.min(axis=0), corners.max(axis=0), strict=True)]
-    x, y = np.meshgrid(*axes)
-    return np.stack([x.ravel(), y.ravel()], axis=1)
+    return grid_points(*np.linspace(corners.min(axis=0), corners.max(axis=0), count).T)
 
 
 def settle_map(field: ConstantField, starts: Floats, theta: float = 0.0, report: OnRow | None = None) -> SettleMap:

@@ -54,11 +54,10 @@ from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
 from nonsmooth.symbolic.numbers.plane_arrays import (
     Floats,
     Mask,
-    following,
     max_norm,
+    point_velocities,
+    polygon_sides,
     row_norms,
-    row_products,
-    turned,
     unit_vectors,
 )
 
@@ -121,11 +120,11 @@ class FloatCells:
 
     def at(self, x: Floats) -> Floats:
         """The velocities at places: shape (motions, places, 2)."""
-        return _velocities(self._padded[self.which(x)].transpose(1, 0, 2), x)
+        return point_velocities(self._padded[self.which(x)].transpose(1, 0, 2), x)
 
     def _on(self, cell: int, x: Floats) -> Floats:
         """The velocities that a cell has, wherever the places are: shape (motions, places, 2)."""
-        return _velocities(self._motions[cell][:, None], x)
+        return point_velocities(self._motions[cell][:, None], x)
 
     def velocities(self, cell: int, triangles: Floats) -> Iterator[tuple[Floats, Bernstein]]:
         """The affine velocities of a cell at the nodes of triangles, one motion after the other."""
@@ -166,15 +165,7 @@ def convex_outline(places: Floats) -> Floats:
 
 def half_planes(outline: Floats) -> Floats:
     """Of a convex polygon, counterclockwise: a, b, c with ``a x + b y + c`` the distance inward from each side."""
-    along = following(outline) - outline
-    normals = turned(along)
-    normals /= row_norms(normals)[:, None] + np.finfo(float).tiny
-    return np.column_stack([normals, -row_products(normals, outline)])
-
-
-def _velocities(twists: Floats, x: Floats) -> Floats:
-    """``v + omega J c`` of twists, shape (motions, places or 1, 3), at places."""
-    return np.stack([twists[..., 0] - twists[..., 2] * x[:, 1], twists[..., 1] + twists[..., 2] * x[:, 0]], axis=-1)
+    return -polygon_sides(outline)
 
 
 @dataclass(frozen=True)

@@ -276,10 +276,7 @@ def answers_and_rows(printed: Printed) -> Iterator[Contradiction]:
         if not _is_point(printed.check, row):
             continue
         said = f'in the list of destinations bodies near the point: "{row.position}", heading: "{row.heading}"'
-        if _opposite(printed.answers["position"].verdict, row.position):
-            yield Contradiction("position and destinations", (printed.said("position"), said), PLACE)
-        if {printed.answers["heading"].verdict, row.heading} == {Heading.KEEPS, Heading.DRIFTS}:
-            yield Contradiction("heading and destinations", (printed.said("heading"), said), TURN)
+        yield from _against_row(printed, "destinations", said, row.position, row.heading)
 
 
 def answers_and_headings(printed: Printed) -> Iterator[Contradiction]:
@@ -291,11 +288,8 @@ def answers_and_headings(printed: Printed) -> Iterator[Contradiction]:
         if not (entry.is_every_heading or float(entry.low) < 0 < float(entry.high)):
             continue
         said = f'in the list of headings, at the checked one: "{entry.position}", heading: "{entry.verdict}"'
-        is_none = printed.equilibrium is Equilibrium.FAILS and not _is_rounded(printed)
-        if is_none or _opposite(printed.answers["position"].verdict, entry.position):
-            yield Contradiction("position and headings of rest", (printed.said("position"), said), PLACE)
-        if {printed.answers["heading"].verdict, entry.verdict} == {Heading.KEEPS, Heading.DRIFTS}:
-            yield Contradiction("heading and headings of rest", (printed.said("heading"), said), TURN)
+        rests = printed.equilibrium is not Equilibrium.FAILS or _is_rounded(printed)
+        yield from _against_row(printed, "headings of rest", said, entry.position, entry.verdict, rests=rests)
 
 
 def answers_and_theorem(printed: Printed) -> Iterator[Contradiction]:
@@ -386,7 +380,7 @@ def contradictions_of_rules(scene: Scene, asked: Mapping[str, RuleAtPoint]) -> I
             yield Contradiction(f"the rules {small} and {large}", sides, PLACE)
     if below and above and {"ellipse", "roller"} <= set(asked):
         one, two = asked["ellipse"], asked["roller"]
-        if _opposite(one.position, two.position) or {one.heading, two.heading} == {Heading.KEEPS, Heading.DRIFTS}:
+        if _opposite(one.position, two.position) or _turn_apart(one.heading, two.heading):
             sides = (f"under rule ellipse {_in_words(one)}", f"under rule roller, here the same, {_in_words(two)}")
             yield Contradiction("the rules ellipse and roller", sides, PLACE)
 
@@ -570,6 +564,16 @@ def _against(
     yield Contradiction(between, (statement, sentence), clauses)
 
 
+def _against_row(
+    printed: Printed, listed: str, said: str, position: object, heading: object, *, rests: bool = True
+) -> Iterator[Contradiction]:
+    """The answers, and a row of a list about the point; ``rests``: whether the point may be a place of rest."""
+    if not rests or _opposite(printed.answers["position"].verdict, position):
+        yield Contradiction(f"position and {listed}", (printed.said("position"), said), PLACE)
+    if _turn_apart(printed.answers["heading"].verdict, heading):
+        yield Contradiction(f"heading and {listed}", (printed.said("heading"), said), TURN)
+
+
 def _is_point(check: Check, row: Destination) -> bool:
     """Whether a destination is the checked point alone."""
     return len(row.points) == 1 and _is_place(check, row.points[0])
@@ -596,6 +600,11 @@ def _is_rounded(printed: Printed) -> bool:
 def _opposite(one: object, two: object) -> bool:
     """Whether one says that bodies leave and the other that they do not."""
     return (one in GOES_AWAY and two in STAYS_OR_RESTS) or (two in GOES_AWAY and one in STAYS_OR_RESTS)
+
+
+def _turn_apart(one: object, two: object) -> bool:
+    """Whether one says that the heading keeps and the other that it drifts."""
+    return {one, two} == {Heading.KEEPS, Heading.DRIFTS}
 
 
 def _float(value: Any) -> float | None:

@@ -45,7 +45,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
 from nonsmooth.symbolic.numbers.plane import Vector
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, are_finite, finite_rows, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, are_finite, finite_rows, grid_points, norms
 from nonsmooth.symbolic.numbers.rounded import either_way, enclosed, plain
 
 STARTS = 31  # in a row and in a column: shares to about two per cent
@@ -238,7 +238,7 @@ def sampled_destinations(scene: Scene) -> Destinations | None:
 
     x, y = scene.check.place
     side = np.linspace(-1, 1, FEW_STARTS) * scene.check.half_width * INSIDE
-    starts = np.stack([grid.ravel() for grid in np.meshgrid(side, side)], axis=1)
+    starts = grid_points(side, side)
     if not are_finite(starts):
         return None
     try:

@@ -38,7 +38,16 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import load_model
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, finite_rows, max_norms, norm, norms, row_products
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    cross,
+    finite_rows,
+    max_norms,
+    norm,
+    norms,
+    point_velocities,
+    row_products,
+)
 
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 
@@ -155,9 +164,7 @@ class BalancedForces:
 
     def velocities(self, places: Floats) -> Floats:
         """About the velocities ``v + omega J c`` of the centre of mass at places, (m, 2)."""
-        x, y, spin = self.minimizers(places).T
-        omega = spin / self.length
-        return np.stack([x - omega * places[:, 1], y + omega * places[:, 0]], axis=1)
+        return point_velocities(self.minimizers(places) / (1, 1, self.length), places)
 
     def against(self, places: Floats, pulls: Floats, start: Floats | None = None) -> Balanced:
         """About where ``D - G . xi`` is least.

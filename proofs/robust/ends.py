@@ -38,6 +38,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import (
     following,
     norm,
     norms,
+    point_velocities,
 )
 
 Velocity: TypeAlias = Callable[[Floats], Floats]
@@ -325,7 +326,10 @@ def _proposed(scene: Scene, velocity: Velocity, size: float, still: float) -> It
 def velocity_of(scene: Scene) -> Velocity | None:
     """Of the centre of mass at a place, in floats."""
     if scene.contact.rule == "nearest":
-        return _nearest_velocity(scene)
+        from nonsmooth.analysis.minimizers.sampling import literal_twist
+
+        model = contact_model(scene)
+        return lambda place: point_velocities(literal_twist(model, place), place)
     forces = BalancedForces.of(scene)
     if forces is None:
         return None
@@ -333,26 +337,6 @@ def velocity_of(scene: Scene) -> Velocity | None:
     def velocity(places: Floats) -> Floats:
         found = forces.velocities(np.atleast_2d(places))
         return found if places.ndim > 1 else found[0]
-
-    return velocity
-
-
-def _nearest_velocity(scene: Scene) -> Velocity:
-    """Both rows of the nearest wheel, then the rows of the next ones in the order of their friction."""
-    model = contact_model(scene)
-
-    def velocity(place: Floats) -> Floats:
-        chosen: list[int] = []
-        for k in np.argsort(norms(model.positions - place)):
-            pair = [2 * k, 2 * k + 1]
-            for row in sorted(pair, key=lambda row: -model.friction[row]):
-                trial = [*chosen, row]
-                if np.linalg.svd(model.rows[trial], compute_uv=False)[-1] > 2.0**-30:
-                    chosen = trial
-                if len(chosen) == 3:
-                    x, y, omega = np.linalg.solve(model.rows[chosen], model.targets[chosen])
-                    return np.array([x - omega * place[1], y + omega * place[0]])
-        return np.zeros(2)
 
     return velocity
 

@@ -32,13 +32,13 @@ from typing import NamedTuple
 
 from flint import arb, ctx, fmpq
 
-from nonsmooth.analysis.cells.polygon import HalfPlane, Polygon
+from nonsmooth.analysis.cells.polygon import HalfPlane, Polygon, convex_polygon
 from nonsmooth.proofs.boxes.enclosures import UNIT, Jet, parameters, turned_by
 from nonsmooth.proofs.robust.box import half_widths
 from nonsmooth.proofs.robust.rings import BoundedCell, root_above, squared_radius
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.numbers.plane import around, dot
+from nonsmooth.symbolic.numbers.plane import dot
 
 PRECISION = 64  # bits of the balls
 RATES = 32  # values of kappa that are tried
@@ -297,17 +297,9 @@ def outer_cells(wheels: Sequence[Wheel], radius: fmpq, step: arb) -> Iterator[Ou
 
 
 def _quadrant(radius: fmpq, signs: tuple[int, int]) -> Polygon:
-    """The part of the square, counterclockwise."""
-    sx, sy = signs
-    zero = fmpq(0)
-    corners = [(zero, zero), (sx * radius, zero), (sx * radius, sy * radius), (zero, sy * radius)]
-    if sx * sy < 0:
-        corners = [corners[0], *reversed(corners[1:])]
-    sides = []
-    for (ax, ay), (bx, by) in around(corners):
-        normal = (by - ay, ax - bx)  # to the right of the side: outward
-        sides.append(HalfPlane(normal, normal[0] * ax + normal[1] * ay))
-    return Polygon(tuple(corners), tuple(sides))
+    """The part of the square."""
+    (left, right), (low, high) = (sorted((fmpq(0), own * radius)) for own in signs)
+    return convex_polygon([(left, low), (right, low), (right, high), (left, high)])
 
 
 def _nearer(near: Wheel, far: Wheel, step: arb, signs: tuple[int, int]) -> HalfPlane:

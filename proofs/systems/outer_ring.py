@@ -43,6 +43,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import (
     are_finite,
     finite_rows,
     following,
+    grid_points,
     max_norm,
     max_norms,
     row_norms,
@@ -121,7 +122,7 @@ def other_rests(field: FloatField, half: float) -> list[tuple[Floats, Floats]]:
 def places_of_rest(field: FloatField, half: float) -> list[tuple[Floats, Floats]]:
     """Places in a square, but the point itself, at which velocities vanish, with their slopes, in floats."""
     lines = np.linspace(-half, half, GRID)
-    x = np.stack(np.meshgrid(lines, lines), axis=-1).reshape(-1, 2)
+    x = grid_points(lines, lines)
     width = 2.0**-20 * half
     for _ in range(NEWTON):
         with np.errstate(all="ignore"):

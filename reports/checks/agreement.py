@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, compare_rules, intersect
+from nonsmooth.analysis.cells.polygon import clipped_by
+from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, compare_rules
 from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.figures.cells import draw_hatch
 from nonsmooth.reports.figures.style import (
@@ -137,7 +138,7 @@ def _draw_pair(axes: Axes, agreement: Agreement, first: str, second: str) -> lis
 
     for own in agreement.partitions[first].cells:
         for other in agreement.partitions[second].cells:
-            common = intersect(own.polygon, other.polygon)
+            common = clipped_by(own.polygon, other.polygon.sides)
             if common is not None:
                 same = frozenset(own.twists) == frozenset(other.twists)
                 corners = float_points(common.vertices)

@@ -1,4 +1,4 @@
-"""``nonsmooth precision``: error against run time, every error against an exact or 60-digit answer."""
+"""``nonsmooth precision`` and ``nonsmooth stress``: errors, every one against an exact or 60-digit answer."""
 
 from __future__ import annotations
 
@@ -75,3 +75,23 @@ def _studies(names: Sequence[str] | None, kind: SceneKind) -> tuple[Study, ...]:
 
 
 PRECISION = PrecisionStudy()
+
+
+class StressStudy(SceneStudy[Options]):
+    """Cases in which a careless method fails."""
+
+    options = Options
+    files = "Rows: .json or .csv; picture: .svg, .png or .pdf."
+
+    def run(self, scene: Any, options: Options) -> Result:
+        """Measure; finished rows are kept where somebody interrupts."""
+        from nonsmooth.analysis.measurements.harness import measure
+        from nonsmooth.proofs.measurements import CASES
+        from nonsmooth.reports.checks.measurements import Stress, measurable
+        from nonsmooth.reports.output.progress import progress
+
+        with progress() as report:
+            return Stress(measure(measurable(scene), CASES, report=report))
+
+
+STRESS = StressStudy()

@@ -87,7 +87,7 @@ COMMANDS = {  # in the order of the help
     "stress": Entry(
         "Stress a scene: extreme scales, ratios, gains and starts, with the error of every result.",
         "stress four-wheel -o stress.svg",
-        "checks.stress.STRESS",
+        "checks.precision.STRESS",
         "Exit status: 0 all rows ok, 1 not, 2 bad input, 130 interrupted (finished rows are kept).",
     ),
     "design": Entry(

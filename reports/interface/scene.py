@@ -166,7 +166,7 @@ class PythonScene(ABC):
         Raises:
             SceneError: for a plain system that is not in two states.
         """
-        from nonsmooth.reports.checks.stress import STRESS
+        from nonsmooth.reports.checks.precision import STRESS
 
         result: Stress = STRESS.of(self.exact)
         return result

@@ -56,7 +56,7 @@ from nonsmooth.symbolic.mechanics.contact_set import standing, whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, grid_points, places_of, unit_vectors
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -84,9 +84,8 @@ NEAR = 1.3  # the destinations' view, in sizes of the body around them
 def pose_starts(scene: Scene, count: int, heading: float) -> Floats:
     """``count x count`` poses (m, 3) of one heading, evenly over the checked square, borders included; x runs first."""
     radius = float(scene.check.radius)
-    axes = [np.linspace(-radius, radius, count) + float(middle) for middle in scene.check.equilibrium]
-    x, y = np.meshgrid(*axes)
-    return np.column_stack([x.ravel(), y.ravel(), np.full(x.size, heading)])
+    places = grid_points(*[np.linspace(-radius, radius, count) + middle for middle in scene.check.place])
+    return np.column_stack([places, np.full(len(places), heading)])
 
 
 def build_body_map(scene: Scene, options: SimulateOptions) -> BodyMapResult:

@@ -52,6 +52,21 @@ def following(corners: Floats) -> Floats:
     return np.roll(corners, -1, axis=0)
 
 
+def polygon_sides(corners: Floats) -> Floats:
+    """Rows ``(n_x, n_y, offset)``, one per side of a polygon, counterclockwise, with ``n . p + offset <= 0`` behind it.
+
+    n is its outward unit normal; zero where two corners are one.
+    """
+    along = following(corners) - corners
+    normals = -turned(along) / (norms(along)[:, None] + np.finfo(float).tiny)
+    return np.column_stack([normals, -row_products(normals, corners)])
+
+
+def grid_points(across: Floats, up: Floats) -> Floats:
+    """Points of a grid with these coordinates, shape (m, 2); x runs first."""
+    return np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2)
+
+
 def row_products(a: Floats, b: Floats) -> Floats:
     """Inner products of vectors of any dimension, shape (m, n)."""
     return (a * b).sum(axis=1)

@@ -529,7 +529,7 @@ def test_rule_nearest_by_its_words(seed: int, side: str) -> None:
         assert [float(x) for x in cells_at(partition, point)[0].twists[0]] == pytest.approx(
             expected, rel=1e-9, abs=1e-9
         )
-        sampled, _ = greedy_twist([scene.wheels[k] for k in order])
+        sampled, _ = greedy_twist(contact_model(scene), order)
         assert sampled == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 

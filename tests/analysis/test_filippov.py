@@ -22,6 +22,7 @@ from nonsmooth.analysis.cells.filippov import (
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.sampling import literal_twist, literal_twists
 from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -229,7 +230,7 @@ def test_dense_samples_along_edges_reach_the_exact_slope(arrays: Arrays, seed: i
 def tied_rates(scene: Scene, point: NDArray[np.float64]) -> float:
     """Largest ``2 c . v`` of the literal rule; where frictions tie, of both orders of the second wheel's rows."""
     if scene.wheels[0].friction.roll != scene.wheels[0].friction.side:
-        return float(2 * literal_twist(scene, point)[:2] @ point)
+        return float(2 * literal_twist(contact_model(scene), point)[:2] @ point)
     place = scene.field(Fraction(point[0])), scene.field(Fraction(point[1]))
     return max(float(2 * float_point(s.twist.velocity) @ point) for s in nearest_states(scene, place))
 

@@ -12,7 +12,7 @@ import pytest
 
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
-from nonsmooth.analysis.cells.polygon import HalfPlane, square
+from nonsmooth.analysis.cells.polygon import HalfPlane, clipped_by, square
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field, piecewise_constant
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.system_field import system_field
@@ -21,7 +21,6 @@ from nonsmooth.analysis.minimizers.agreement import (
     PointLocator,
     compare_rules,
     comparison_grid,
-    intersect,
     shared_area,
 )
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map, settle_maps
@@ -364,8 +363,8 @@ def test_points_in_buckets_are_located_as_points_one_by_one(name: str) -> None:
 
 def test_disjoint_polygons_have_no_intersection(arrays: Arrays) -> None:
     cells = build_nearest_partition(arrays.four_wheel()).cells
-    assert intersect(cells[0].polygon, cells[1].polygon) is None
-    assert intersect(cells[0].polygon, cells[0].polygon) == cells[0].polygon
+    assert clipped_by(cells[0].polygon, cells[1].polygon.sides) is None
+    assert clipped_by(cells[0].polygon, cells[0].polygon.sides) == cells[0].polygon
 
 
 def test_the_three_rules_side_by_side(arrays: Arrays) -> None:

@@ -16,6 +16,7 @@ from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.nearest import bisector, build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.sampling import literal_twist
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_states import (
@@ -176,7 +177,7 @@ def test_each_cell_has_the_twist_of_the_float_rule(scene: Scene, arrays: Arrays)
     rng = np.random.default_rng(3)
     for cell in build_nearest_partition(scene).cells:
         point = arrays.interior_point(cell.polygon, rng)
-        twist = literal_twist(scene, np.array([float(x) for x in point]))
+        twist = literal_twist(contact_model(scene), np.array([float(x) for x in point]))
         assert twist == pytest.approx([float(x) for x in cell.twists[0]], rel=ROUNDING, abs=ROUNDING)
 
 
@@ -218,7 +219,7 @@ def test_rows_without_friction_are_never_taken(arrays: Arrays, seed: int) -> Non
         assert set(cell.twists) == {state.twist for state in nearest_states(scene, point)}
         for state in cell.states:
             assert not any(row.residual(state.twist) for row in state.rows)
-        twist = literal_twist(scene, np.array([float(x) for x in point]))
+        twist = literal_twist(contact_model(scene), np.array([float(x) for x in point]))
         assert any(twist == pytest.approx([float(x) for x in t], rel=1e-6, abs=1e-6) for t in cell.twists)
 
 

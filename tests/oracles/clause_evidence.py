@@ -32,7 +32,7 @@ from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.equilibrium.clause import EquilibriumResult
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, between, gains, in_scene
-from nonsmooth.proofs.clauses.feedback.every_load_law import EveryLoadLaw, wheel_forms
+from nonsmooth.proofs.clauses.feedback.every_load_law import EveryLoadLaw, wheels_of
 from nonsmooth.proofs.clauses.feedback.twist_candidates import BoxTwist, ImposedTwist, rank_of
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult, _has_short_paths
 from nonsmooth.proofs.clauses.translation.at_point import (
@@ -294,7 +294,7 @@ def _(cone: LawCone) -> bool:
 def _holds_under_every_load(law: EveryLoadLaw, cone: LawCone) -> bool:
     if not 0 < law.slack < 1 or cone.rays is not None or rank_of(cone.twists) != 3:
         return False
-    return law.holds(cone.twists, wheel_forms(law.scene), float_loads(load_set(law.scene).bound))
+    return law.holds(cone.twists, wheels_of(law.scene), float_loads(load_set(law.scene).bound))
 
 
 def _go_around(cones: Sequence[LawCone]) -> bool:

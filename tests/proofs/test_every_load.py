@@ -14,7 +14,7 @@ import pytest
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of, smooth_rule_of
 from nonsmooth.analysis.cells.load_sets import Loads, load_set, priced
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.fields.contact_model import contact_model, contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactRows, contact_model, contacts_under
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.minimum import Functional, dissipation
@@ -23,13 +23,12 @@ from nonsmooth.proofs.clauses.at_point.every_load import EveryLoad, FloatLoads, 
 from nonsmooth.proofs.clauses.equilibrium.clause import EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
-from nonsmooth.proofs.clauses.feedback.every_load_law import TwistPyramid, WheelForms
+from nonsmooth.proofs.clauses.feedback.every_load_law import TwistPyramid
 from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed, ultimate_bound
 from nonsmooth.proofs.clauses.translation.at_point import EveryLoadTranslation, is_positive_on_hull
 from nonsmooth.proofs.findings import Certainty, Equilibrium, Feedback, Rotation, Translation
 from nonsmooth.proofs.theorem4 import Check, check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 from nonsmooth.symbolic.mechanics.load_model import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Contact, LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
@@ -589,21 +588,23 @@ def test_late_poses_and_ends_of_speeds_take_the_rest_of_the_rate(tmp_path: Path)
 def test_a_pyramid_holds_what_it_holds() -> None:
     """Wheels at random: a pyramid that does not hold the motion is refused, one with some room about it is not."""
     rng = np.random.default_rng(2)
-    wheels = WheelForms(rng.normal(size=(6, 3)), rng.normal(size=(6, 3)), CutEllipse(*np.ones((3, 6))))
-    speeds, loads = rng.normal(size=6), FloatLoads(np.full((1, 6), 1 / 6), np.zeros((0, 6)))
-    motion = minimum(wheels, speeds)
+    rows, targets = np.empty((12, 3)), np.zeros(12)
+    rows[::2], rows[1::2] = rng.normal(size=(6, 3)), rng.normal(size=(6, 3))
+    targets[::2] = rng.normal(size=6)
+    driven, loads = ContactRows(rows, targets, np.ones(12)), FloatLoads(np.full((1, 6), 1 / 6), np.zeros((0, 6)))
+    motion = minimum(driven)
     for away, slack, held in ((0.0, Fraction(1, 100), True), (0.3, Fraction(1, 5), False), (0.3, Fraction(3, 5), True)):
         twists = np.eye(3) * np.linalg.norm(motion)
         twists[0] = motion
         twists[0] = motion + away * np.linalg.norm(motion) * np.array([0, 0, 1.0])
-        pyramid = TwistPyramid(twists, 0, speeds, slack, max(2 * slack, Fraction(1, 8)))
-        assert pyramid.holds_minimizers(wheels, loads) == held
+        pyramid = TwistPyramid(twists, 0, slack, max(2 * slack, Fraction(1, 8)))
+        assert pyramid.holds_minimizers(driven, loads) == held
 
 
-def minimum(wheels: WheelForms, speeds: Floats) -> Floats:
+def minimum(driven: ContactRows) -> Floats:
     """The minimizer of D for equal loads, by a general method."""
     from scipy.optimize import minimize
 
-    found = minimize(lambda xi: wheels.dissipation(xi, speeds).sum(), np.zeros(3), method="Nelder-Mead", tol=1e-12)
+    found = minimize(lambda xi: np.hypot(*driven.slips(xi).T).sum(), np.zeros(3), method="Nelder-Mead", tol=1e-12)
     point: Floats = found.x
     return point

@@ -11,6 +11,7 @@ from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.cells.nearest import bisector, greedy_states
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Polygon, square
+from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.sampling import greedy_twist
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -38,9 +39,9 @@ class FarthestRule(CellRule):
 
     def literal_twists(self, scene: Scene, points: Floats) -> Floats:
         """Wheels by distance, the farthest first, rows greedily to rank three."""
-        places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-        orders = np.argsort(-np.linalg.norm(points[:, None, :] - places, axis=2), axis=1)
-        return np.array([greedy_twist([scene.wheels[k] for k in order])[0] for order in orders])
+        model = contact_model(scene)
+        orders = np.argsort(-np.linalg.norm(points[:, None, :] - model.positions, axis=2), axis=1)
+        return np.array([greedy_twist(model, order)[0] for order in orders])
 
     @staticmethod
     def _region(wheel: Wheel, others: Sequence[Wheel], within: Polygon) -> Polygon | None:

@@ -8,7 +8,7 @@ loads finds that the point is no equilibrium.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
@@ -264,20 +264,22 @@ def _smooth_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
         slips = wheel_slips(scene, rate)
         slope = None if slips is None else common_slope(slips)
         if slope is not None:
-            return EveryLoadPoint(scene, loads, EveryLoad.SMOOTH, _balance_text(rate), Twist(zero, zero, rate), slope)
-    for load in _suspects(scene, loads, rates):
-        if _is_refuted(scene, load):
-            return _moved(scene, loads, load)
+            reason = f"at {_motion_text(rate)} the friction of every wheel is linear in its place, so that it balances"
+            reason += " under every load"
+            return EveryLoadPoint(scene, loads, EveryLoad.SMOOTH, reason, Twist(zero, zero, rate), slope)
     reason = "forces do not balance alike under every load, but no load is found under which the body leaves the point"
-    return EveryLoadPoint(scene, loads, EveryLoad.OPEN, reason)
+    return _moved_or_open(scene, loads, _suspects(scene, loads, rates), reason)
 
 
-def _balance_text(rate: Number) -> str:
-    what = f"the spin {brief_text(rate)}" if rate else "rest"
-    return f"at {what} the friction of every wheel is linear in its place, so that it balances under every load"
+def _motion_text(rate: Number) -> str:
+    return f"the spin {brief_text(rate)}" if rate else "rest"
 
 
-def _moved(scene: Scene, loads: LoadSet, load: Loads) -> EveryLoadPoint:
+def _moved_or_open(scene: Scene, loads: LoadSet, suspects: Iterable[Loads], reason: str) -> EveryLoadPoint:
+    """The point under the first of some loads that drives the body away; open for a reason where none does."""
+    load = next((load for load in suspects if _is_refuted(scene, load)), None)
+    if load is None:
+        return EveryLoadPoint(scene, loads, EveryLoad.OPEN, reason)
     reason = f"under the load {load_text(load)} the body is driven away from the point"
     return EveryLoadPoint(scene, loads, EveryLoad.MOVED, reason, witness=load)
 
@@ -353,15 +355,11 @@ def _box_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
         rolls = _rolls(scene, Twist(zero, zero, rate))
         if least > 0 or (least == 0 and (rolls or cocircular_array(scene) is not None)):
             situation = EveryLoad.UNIQUE if least > 0 else EveryLoad.TIED
-            what = f"the spin {brief_text(rate)}" if rate else "rest"
             how = "D rises in every direction" if least > 0 else "D falls in no direction"
-            reason = f"at {what} {how}, under every load"
+            reason = f"at {_motion_text(rate)} {how}, under every load"
             return EveryLoadPoint(scene, loads, situation, reason, Twist(zero, zero, rate))
-    for load in moving_loads(scene, loads):
-        if _is_refuted(scene, load):
-            return _moved(scene, loads, load)
     reason = "rest is not shown to be the motion under every load, nor is a load found that drives the body away"
-    return EveryLoadPoint(scene, loads, EveryLoad.OPEN, reason)
+    return _moved_or_open(scene, loads, moving_loads(scene, loads), reason)
 
 
 def _box_rates(scene: Scene) -> list[Number]:

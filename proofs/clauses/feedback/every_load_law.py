@@ -39,16 +39,14 @@ from itertools import combinations, product
 
 import numpy as np
 
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, friction_sets, rule_of
+from nonsmooth.analysis.cells.contact_rule import friction_sets, has_cells
 from nonsmooth.analysis.cells.load_sets import load_set
-from nonsmooth.analysis.fields.contact_model import contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contact_model, with_friction_sets
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.clauses.at_point.every_load import FloatLoads, float_loads
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, least_products, rim_speeds
 from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist
-from nonsmooth.symbolic.mechanics.contact_states import roll_row, side_row
-from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 
@@ -92,14 +90,23 @@ class EveryLoadLaw:
         """No motion is longer than so many times the longest twist: ``1 + h + (h + eta)``."""
         return 1 + 2 * self.height + self.slack
 
-    def holds(self, three: Sequence[ImposedTwist], wheels: WheelForms, loads: FloatLoads) -> bool:
+    def holds(self, three: Sequence[ImposedTwist], wheels: ContactModel, loads: FloatLoads) -> bool:
         """Whether three pyramids hold all motions."""
-        for k, imposed in enumerate(three):
-            speeds = np.array(rim_speeds(self.scene, imposed))
-            pyramid = TwistPyramid(_floats(three), k, speeds, self.slack, self.height)
-            if not pyramid.holds_minimizers(wheels, loads):
-                return False
-        return True
+        driven = (driven_by(self.scene, imposed, wheels) for imposed in three)
+        pyramids = (TwistPyramid(_floats(three), k, self.slack, self.height) for k in range(3))
+        return all(own.holds_minimizers(rows, loads) for own, rows in zip(pyramids, driven, strict=True))
+
+
+def wheels_of(scene: Scene) -> ContactModel:
+    """The wheels of a centred scene of a rule that minimizes the dissipation, with their friction sets."""
+    return with_friction_sets(contact_model(scene), friction_sets(scene))
+
+
+def driven_by(scene: Scene, imposed: ImposedTwist, wheels: ContactModel) -> ContactModel:
+    """The wheels at the speeds that impose a twist on level springs."""
+    targets = np.zeros(2 * wheels.wheels)
+    targets[0::2] = rim_speeds(scene, imposed)
+    return replace(wheels, targets=targets)
 
 
 def on_level_springs(scene: Scene) -> Scene:
@@ -117,7 +124,7 @@ def search_law(scene: Scene, unique: Sequence[ImposedTwist]) -> tuple[LawCone, E
     Raises:
         LoadError: where the loads do not exist, or are too many.
     """
-    loads, wheels = float_loads(load_set(scene).bound), wheel_forms(scene)
+    loads, wheels = float_loads(load_set(scene).bound), wheels_of(scene)
     best: tuple[float, tuple[ImposedTwist, ...], EveryLoadLaw] | None = None
     for proposal in _proposals(scene, unique[:CHOICES], wheels, loads):
         widest = EveryLoadLaw(scene, WIDEST)
@@ -152,7 +159,9 @@ class _Proposal:
             slack *= WIDENING
 
 
-def _proposals(scene: Scene, unique: Sequence[ImposedTwist], wheels: WheelForms, loads: FloatLoads) -> list[_Proposal]:
+def _proposals(
+    scene: Scene, unique: Sequence[ImposedTwist], wheels: ContactModel, loads: FloatLoads
+) -> list[_Proposal]:
     """The most promising choices of three twists, the best first."""
     twists, motions = _floats(unique), [_motions(scene, imposed, wheels, loads) for imposed in unique]
     found = []
@@ -174,61 +183,16 @@ def _slack(three: Floats, chosen: int, motions: Floats) -> float:
     return float((np.abs(parts).sum(axis=0) - np.abs(upward) - upward).max(initial=0))
 
 
-def _motions(scene: Scene, imposed: ImposedTwist, wheels: WheelForms, loads: FloatLoads) -> Floats:
+def _motions(scene: Scene, imposed: ImposedTwist, wheels: ContactModel, loads: FloatLoads) -> Floats:
     """Minimizers of D at the speeds of a twist under loads that push the body most, (m, 3); they prove nothing."""
-    speeds = np.array(rim_speeds(scene, imposed))
-    along, across = wheels.sets.gradient(*wheels.slips(_floats([imposed])[0], speeds))
-    pulls = along[:, None] * wheels.along + across[:, None] * wheels.across
-    samples = loads.samples(SIDES @ pulls.T)
-    rule = rule_of(scene)
-    is_smooth = isinstance(rule, SmoothRule)
-    model = contacts_under(rule, scene)
-    targets = np.zeros(2 * model.wheels)
-    targets[0::2] = speeds
-    minimizer = EllipseMinimizer() if is_smooth else BoxHighs()
-    return minimizer.minimize(replace(model, targets=targets), samples).twists
+    driven = driven_by(scene, imposed, wheels)
+    forces = _forces(driven, _floats([imposed]))[0]
+    samples = loads.samples(SIDES @ np.einsum("nk,nkj->jn", forces, driven.rows.reshape(-1, 2, 3)))
+    minimizer = BoxHighs() if has_cells(scene) else EllipseMinimizer()
+    return minimizer.minimize(driven, samples).twists
 
 
 # ---- pyramids that hold all motions ------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False)
-class WheelForms:
-    """The wheels of an array in floats, per unit of load.
-
-    Attributes:
-        along: rows of the slip along each rim, (n, 3).
-        across: rows of the slip across, (n, 3).
-        sets: the friction sets.
-    """
-
-    along: Floats
-    across: Floats
-    sets: CutEllipse[Floats]
-
-    def slips(self, twists: Floats, speeds: Floats) -> tuple[Floats, Floats]:
-        """Slips along and across, (..., n)."""
-        return twists @ self.along.T - speeds, twists @ self.across.T
-
-    def dissipation(self, twists: Floats, speeds: Floats) -> Floats:
-        """``D_i`` per load, (..., n)."""
-        along, across = self.slips(twists, speeds)
-        first, second = self.sets.gradient(along, across)
-        power: Floats = first * along + second * across
-        return power
-
-    def sizes(self, twists: Floats, speeds: Floats) -> Floats:
-        """Sums of the absolute values of all terms of ``D_i``, (..., n)."""
-        along = np.abs(twists) @ np.abs(self.along).T + np.abs(speeds)
-        size: Floats = self.sets.along * along + self.sets.across * (np.abs(twists) @ np.abs(self.across).T)
-        return size
-
-
-def wheel_forms(scene: Scene) -> WheelForms:
-    """The wheels of a centred scene of a rule that minimizes the dissipation, each number rounded once."""
-    along = float_points(roll_row(wheel).unit_normal for wheel in scene.wheels)
-    across = float_points(side_row(wheel).unit_normal for wheel in scene.wheels)
-    return WheelForms(along, across, float_sets(friction_sets(scene)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,26 +202,24 @@ class TwistPyramid:
     Attributes:
         twists: the three, (3, 3).
         chosen: l.
-        speeds: of all wheels, which are to impose it, (n,).
         slack: eta.
         height: h.
     """
 
     twists: Floats
     chosen: int
-    speeds: Floats
     slack: Fraction
     height: Fraction
 
-    def holds_minimizers(self, wheels: WheelForms, loads: FloatLoads) -> bool:
-        """Whether every minimizer of D under every load is proved to lie inside."""
+    def holds_minimizers(self, driven: ContactRows, loads: FloatLoads) -> bool:
+        """Whether every minimizer of D at the speeds of the wheels is proved to lie inside, under every load."""
         waiting = self._border()
         for _ in range(FIRST_HALVINGS):
             waiting = _halved(waiting)
         seen = len(waiting)
         while len(waiting):
             parts = np.array_split(waiting, 1 + waiting.shape[0] * loads.centres.shape[0] * 3 // BATCH)
-            judged = [self._judge(part, wheels, loads) for part in parts]
+            judged = [self._judge(part, driven, loads) for part in parts]
             if any(lost for _, lost in judged):
                 return False
             waiting = _halved(np.concatenate([open_ones for open_ones, _ in judged]))
@@ -277,22 +239,37 @@ class TwistPyramid:
         triangles = [(end, a, b) for end in (-eta * up, top) for a, b in sides]
         return np.array(triangles) @ self.twists
 
-    def _judge(self, triangles: Floats, wheels: WheelForms, loads: FloatLoads) -> tuple[Floats, bool]:
+    def _judge(self, triangles: Floats, driven: ContactRows, loads: FloatLoads) -> tuple[Floats, bool]:
         """The triangles that are not proved, and whether one of them cannot be: D is not larger at its middle."""
         centre = self.twists[self.chosen]
         middles = triangles.mean(axis=1)
-        forces = wheels.sets.gradient(*wheels.slips(centre + middles, self.speeds))
-        along, across = wheels.slips(centre + triangles, self.speeds)
-        least = forces[0][:, None] * along + forces[1][:, None] * across
-        there = wheels.dissipation(centre + middles, self.speeds)
-        doubt = loads.doubt(2 * wheels.sizes(np.abs(centre) + np.abs(triangles), self.speeds)).max(axis=1)
+        forces = _forces(driven, centre + middles)
+        least = (forces[:, None] * driven.slips(centre + triangles)).sum(axis=-1)
+        there = _dissipation(driven, centre + middles)
+        doubt = loads.doubt(2 * _sizes(driven, np.abs(centre) + np.abs(triangles))).max(axis=1)
         proved, possible = np.zeros(len(triangles), dtype=bool), np.zeros(len(triangles), dtype=bool)
         for share in SHARES:
-            inner = wheels.dissipation(centre + (1 - share) * triangles, self.speeds)
+            inner = _dissipation(driven, centre + (1 - share) * triangles)
             proved |= loads.lowest(least - inner).min(axis=1) > doubt
-            nearer = wheels.dissipation(centre + (1 - share) * middles, self.speeds)
+            nearer = _dissipation(driven, centre + (1 - share) * middles)
             possible |= loads.lowest(there - nearer) > doubt
         return triangles[~proved], bool((~proved & ~possible).any())
+
+
+def _forces(driven: ContactRows, twists: Floats) -> Floats:
+    """Along and across, some force of each set that its slip allows, per load, (..., n, 2)."""
+    return np.stack(driven.sets.gradient(*np.moveaxis(driven.slips(twists), -1, 0)), axis=-1)
+
+
+def _dissipation(driven: ContactRows, twists: Floats) -> Floats:
+    """``D_i`` per load, (..., n)."""
+    return np.asarray(driven.sets.support(*np.moveaxis(driven.slips(twists), -1, 0)))
+
+
+def _sizes(driven: ContactRows, twists: Floats) -> Floats:
+    """Sums of the absolute values of all terms of ``D_i``, (..., n)."""
+    terms = (np.abs(twists) @ np.abs(driven.rows).T + np.abs(driven.targets)) * driven.friction
+    return np.asarray(terms.reshape(*terms.shape[:-1], -1, 2).sum(axis=-1))
 
 
 def _halved(triangles: Floats) -> Floats:
