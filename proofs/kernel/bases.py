@@ -26,7 +26,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, StatedCells
-from nonsmooth.proofs.kernel.search import Functions, gradient
+from nonsmooth.proofs.kernel.search import Functions, Search, gradient
 from nonsmooth.proofs.kernel.second_function import Samples, points_of, sampled
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
@@ -134,14 +134,22 @@ def field_jumps(cells: SignCells, surface: Polynomial) -> bool:
     return False
 
 
-def functions_on(system: SwitchedSystem, stated: StatedCells, texts: Sequence[str | list[list[str]]]) -> Functions:
+def functions_on(
+    system: SwitchedSystem, stated: StatedCells, texts: Sequence[str | list[list[str]]], search: Search | None = None
+) -> Functions:
     """Functions on cells of a system.
 
+    Args:
+        system: in any number of states.
+        stated: its cells.
+        texts: the functions.
+        search: shows that they are continuous, where they bend on curves.
+
     Raises:
-        BeyondReachError: for functions that are not continuous, or bend on curved surfaces.
+        BeyondReachError: for functions that are not continuous, or bend on curves without a search.
     """
     try:
-        return Functions(read_subject(about(system)), stated.record, texts)
+        return Functions(read_subject(about(system)), stated.record, texts, search)
     except (*MALFORMED, RejectedError, NoCertificateError) as error:
         raise BeyondReachError(f"required {error}") from None
 

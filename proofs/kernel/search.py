@@ -338,9 +338,15 @@ class Functions(Lyapunov):
         number: of the function that is V.
     """
 
-    def __init__(self, system: System, cells: Record, functions: Sequence[str | list[list[str]]]) -> None:
+    def __init__(
+        self,
+        system: System,
+        cells: Record,
+        functions: Sequence[str | list[list[str]]],
+        search: Search | None = None,
+    ) -> None:
         self.collected = Collected()
-        super().__init__(Inclusion(system, cells, list(functions), self.collected), self.collected)
+        super().__init__(Inclusion(system, cells, list(functions), search or self.collected), self.collected)
         self.number = 0
         self._known: dict[Hashable, Any] = {}  # of all functions: guards and pushes
 

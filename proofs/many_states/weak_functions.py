@@ -11,6 +11,7 @@ is proposed is proved, or is dropped.  A relay that gains energy, ``x' = y, y' =
 
 from __future__ import annotations
 
+import ast
 import operator
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -39,10 +40,11 @@ from nonsmooth.proofs.kernel.bases import (
     formula_text,
     functions_on,
     monomial,
+    monomials,
     rates,
     values,
 )
-from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, started, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, sharpened, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.first_terms import fields_around, neutral_subspace
 from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
 from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms, proposed
@@ -135,19 +137,21 @@ class FunctionFamily:
         system: whose solutions they shall not rise along.
         stated: its cells.
         basis: the functions.
+        search: shows that they are continuous, where they bend on curves.
     """
 
     system: SwitchedSystem
     stated: StatedCells
     basis: tuple[PiecewiseFunction, ...]
+    search: Search | None = None
 
     @cached_property
     def program(self) -> LinearProgram:
         """The program of their sums."""
         costs = np.array([1.0 + own.degree / 8 + ("Abs" in own.text) for own in self.basis])
-        beside = cache(partial(rates, self._conditions, near_planes))
+        beside = cache(partial(rates, self.conditions, near_planes))
         radius = fmpq_to_float(self.stated.cells.radius)
-        return LinearProgram(rates(self._conditions), *values(self._conditions), costs, beside, radius)
+        return LinearProgram(rates(self.conditions), *values(self.conditions), costs, beside, radius)
 
     @cached_property
     def kept(self) -> fmpq_mat:
@@ -161,7 +165,7 @@ class FunctionFamily:
         Where eigenvalues of the field of a cell lie on the imaginary axis, no V falls on the whole subspace N of these:
         one that does not rise is kept there, and V' has no terms of first order beside N.  No columns without an N.
         """
-        known = self._conditions
+        known = self.conditions
         fields = [field for cell in known.inclusion.cells for _, field in cell.fields]
         neutral = [(k, own) for k, own in enumerate(map(neutral_subspace, fields)) if own is not None]
         lists: list[list[CheckedPolynomial]] = [[] for _ in self.basis]
@@ -180,18 +184,39 @@ class FunctionFamily:
     @cached_property
     def _claims(self) -> list[list[Claim]]:
         """Of each function, that it falls on closed cells."""
-        return list(map(self._conditions.claims_on_cells, range(len(self.basis))))
+        return list(map(self.conditions.claims_on_cells, range(len(self.basis))))
 
     @cached_property
-    def _conditions(self) -> Functions:
-        return functions_on(self.system, self.stated, [own.text for own in self.basis])
+    def conditions(self) -> Functions:
+        """The claims about the functions."""
+        return functions_on(self.system, self.stated, [own.text for own in self.basis], self.search)
 
 
 @lru_cache(maxsize=MOST_KEPT)
 def families_on(system: SwitchedSystem, radius: Number) -> tuple[FunctionFamily, ...]:
     """The families on a cube, for energies and for what shows instability; raises as :func:`weak_functions`."""
     stated = stated_cells(system, radius)
-    return tuple(FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True))
+    found = [FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True)]
+    bends = tuple(PiecewiseFunction(f"Abs({text})", 1) for text in dict.fromkeys(_bent_lines(system)))
+    if bends and not any(system.check.equilibrium):
+        with suppress(NotShownError, BeyondReachError):
+            subject, search = started(system)
+            known = sharpened(stated, subject, search)
+            family = FunctionFamily(system, known, (*bends, *monomials(system.states, 2)), search)
+            family.conditions  # noqa: B018 - whether they are shown to be continuous
+            found.append(family)
+    return tuple(found)
+
+
+def _bent_lines(system: SwitchedSystem) -> Iterator[str]:
+    """What right-hand sides take the sign of, where that itself switches, as a bang-bang law by a curved line does."""
+    for side in system.rhs:
+        for part in side.switching_parts:
+            call = part.tree
+            if isinstance(call, ast.Call) and len(call.args) == 1:
+                inner = replace(part, tree=call.args[0])
+                if inner.switching_parts:
+                    yield ast.unparse(inner.tree)
 
 
 def near_planes(place: Face) -> Floats:
@@ -277,14 +302,14 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    for formula, radius in _energies(system):
+    for formula, radius in energies_near(system):
         examined = examine(system, formula, radius)
         if examined.decrease in (Decrease.STRICT, Decrease.WEAK):
             return examined
     return None
 
 
-def _energies(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExpression, Number]]:
+def energies_near(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExpression, Number]]:
     """Proposals of a positive V that does not rise, with half the side of a cube; raises as above."""
     for power, share in product((2, 4), SHARES):
         radius = system.check.radius * share
@@ -295,11 +320,12 @@ def _energies(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExpression, Num
             yield formula, radius
 
 
-def find_weak_growth(system: SwitchedSystem) -> Entry | None:
+def find_weak_growth(system: SwitchedSystem, search: Search | None = None) -> Entry | None:
     """The theorem on instability by a V that does not rise; None where none is found.
 
     Args:
         system: in two states or more, with rational numbers.
+        search: with what was shown before.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
@@ -308,8 +334,9 @@ def find_weak_growth(system: SwitchedSystem) -> Entry | None:
         radius = system.check.radius * share
         for formula in weak_functions(system, radius, positive=False):
             try:
-                subject, search = started(system)
-                cells = stated_cells(system, radius, surfaces_of(system, formula)).record
+                subject, search = started(system, search)
+                bent = stated_cells(system, radius, surfaces_of(system, formula))
+                cells = sharpened(bent, subject, search).record
                 second = find_second(subject, cells, formula.text, search, below=Fraction(0))
                 stated = Lyapunov(Inclusion(subject, cells, [formula.text], search), search)
             except (NotShownError, RejectedError):
