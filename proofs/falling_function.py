@@ -198,7 +198,7 @@ class FallingFunction:
             rates = list(dict.fromkeys(rates_below(self._slowest(decay))))
             shown = first_shown(rates, partial(self._rate_proofs, decay))
             if shown is not None:
-                return DecayRate(decay, shown[0], proofs=shown[1])
+                return DecayRate(decay, shown[0], Domain(self.radius), proofs=shown[1])
         return None
 
     def _rate_proofs(self, decay: DecayKind, kappa: Fraction) -> Record | None:
@@ -249,7 +249,7 @@ class FallingFunction:
         shown = first_shown(gains, lambda gamma: self._proofs(self._claims(Functions.show_gradient, gamma * radius)))
         if shown is None:
             return None
-        return DisturbanceGain(shown[0], rate, None if region is None else region.level, shown[1])
+        return DisturbanceGain(shown[0], rate, Domain(self.radius), None if region is None else region.level, shown[1])
 
     @property
     def degree(self) -> int:

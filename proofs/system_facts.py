@@ -336,11 +336,11 @@ def outside_record(basin: CertifiedBasin) -> dict[str, object] | None:
 
 def rate_words(reach: Reach, states: Sequence[str]) -> str:
     """How fast V falls on its domain, and what that says of the starts whose solutions stay there."""
-    rate, domain, near = reach.rate, reach.rate_domain, reach.near
-    if rate is None or domain is None:
+    rate, near = reach.rate, reach.near
+    if rate is None:
         raise TypeError("required a rate")
-    where = f"{_potential_words(rate, states)}{rate} on {domain.text(states)}"
-    if domain.radius is None:
+    where = f"{_potential_words(rate, states)}{rate} on {rate.domain.text(states)}"
+    if rate.domain.radius is None:
         return f"{where}: {rate.decay.on_starts(rate.kappa, 'every start')}"
     if len(states) == 1:
         return f"{where}: {rate.decay.on_starts(rate.kappa, 'every start there')}"
@@ -368,11 +368,11 @@ def _below_words(reach: Reach, states: Sequence[str]) -> str:
 
 def gain_words(reach: Reach, states: Sequence[str]) -> str:
     """What a disturbance does to V on its domain, and to the starts whose solutions stay there."""
-    gain, domain = reach.gain, reach.gain_domain
-    if gain is None or domain is None:
+    gain = reach.gain
+    if gain is None:
         raise TypeError("required a gain")
     letter = disturbance_letter(states)
-    where = f"{_potential_words(gain.rate, states)}{gain.inequality(letter)} on {domain.text(states)}"
+    where = f"{_potential_words(gain.rate, states)}{gain.inequality(letter)} on {gain.domain.text(states)}"
     return "; ".join(filter(None, (where, gain.on_starts(letter))))
 
 
@@ -390,7 +390,7 @@ def _rate_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | Non
         "kind": rate.decay.name.lower(),
         "kappa": Quantity(rate.kappa),
         "text": rate_words(reach, states),
-        "within": _within(reach.rate_domain, None if reach.near is None else reach.near.level, states),
+        "within": _within(rate.domain, None if reach.near is None else reach.near.level, states),
     }
     return record | ({"region": _region_rate_record(reach, states)} if len(states) == len(PLANE) else {})
 
@@ -413,13 +413,12 @@ def _gain_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | Non
         "largest": Quantity(gain.largest),
         "ultimate": Quantity(gain.ultimate),
         "text": gain_words(reach, states),
-        "within": _within(reach.gain_domain, gain.level, states),
+        "within": _within(gain.domain, gain.level, states),
     }
 
 
-def _within(domain: Domain | None, level: Fraction | None, states: Sequence[str]) -> dict[str, object]:
+def _within(domain: Domain, level: Fraction | None, states: Sequence[str]) -> dict[str, object]:
     """Where a rate or a gain holds: the cube of V; solutions from V below the level stay in it."""
-    domain = domain or Domain(None)
     return {"radius": Quantity(domain.radius), "level": Quantity(level), "text": domain.text(states)}
 
 
