@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from nonsmooth.proofs.checker.cells import Cell, Inclusion, pattern
+from nonsmooth.proofs.checker.cells import Cell, Inclusion, System, pattern
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.theorems import STABLE, UNSTABLE
 from nonsmooth.proofs.findings import Record
@@ -35,7 +35,7 @@ from nonsmooth.proofs.kernel.search import (
     Entry,
     NotShownError,
     Search,
-    instability_hypotheses,
+    directed_hypotheses,
     stability_hypotheses,
 )
 from nonsmooth.proofs.kernel.written import coefficient_text, part_of
@@ -96,7 +96,7 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
     def shown(stated: StatedCells, cones: Sequence[FanCone], values: Sequence[Fraction]) -> Entry | None:
         """The entry of a certificate; None where it is not shown."""
         with suppress(NotShownError):
-            return search.tried(subject, *_written(stated, cones, values, verdict, subject.states))
+            return search.tried(subject, *_written(stated, cones, values, verdict, subject, search))
         return None
 
     for lines in _line_sets(system):
@@ -279,17 +279,23 @@ def _floats(ray: Ray) -> Floats:
 
 
 def _written(
-    stated: StatedCells, cones: Sequence[FanCone], values: Sequence[Fraction], verdict: str, states: Sequence[str]
+    stated: StatedCells,
+    cones: Sequence[FanCone],
+    values: Sequence[Fraction],
+    verdict: str,
+    subject: System,
+    search: Search,
 ) -> tuple[str, Record]:
     """The theorem's name, and its hypotheses with V as linear pieces."""
     pieces = []
     for cone, value, after in zip(cones, values, [*values[1:], values[0]], strict=True):
         slopes = map(coefficient_text, _gradient(cone, value, after))
-        formula = " + ".join(f"{slope}*{name}" for slope, name in zip(slopes, states, strict=True))
+        formula = " + ".join(f"{slope}*{name}" for slope, name in zip(slopes, subject.states, strict=True))
         pieces.append([cone.mark, formula])
     if verdict != UNSTABLE:
         return "lyapunov", stability_hypotheses(stated.record, pieces, verdict)
-    return "instability", instability_hypotheses(stated.record, pieces, _downward(cones, values))
+    lowest = _floats(cones[values.index(min(values))].start)
+    return "instability", directed_hypotheses(subject, stated.record, pieces, search, near=[lowest])
 
 
 def _gradient(cone: FanCone, value: Fraction, after: Fraction) -> Ray:
@@ -297,17 +303,3 @@ def _gradient(cone: FanCone, value: Fraction, after: Fraction) -> Ray:
     (a, b), (c, d) = cone.start, cone.end
     area = a * d - b * c
     return (value * d - after * b) / area, (after * a - value * c) / area
-
-
-def _downward(cones: Sequence[FanCone], values: Sequence[Fraction]) -> Ray:
-    """A direction inside the cone after the lowest ray, near the ray."""
-    k = min(range(len(values)), key=lambda i: values[i])
-    after, weight = values[(k + 1) % len(values)], 1
-    if values[k] >= 0:
-        raise NotShownError("a V that is negative on a ray")
-    while values[k] * weight + after >= 0:
-        weight *= 2
-    start, end = cones[k].start, cones[k].end
-    inside = start[0] * weight + end[0], start[1] * weight + end[1]
-    x, y = (own if isinstance(own, Fraction) else Fraction(float(own)) for own in inside)
-    return x, y

@@ -9,6 +9,7 @@ linear program proposes P by samples.  (Ahmadi and El Khadir 2018: ``V = (x^4 + 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import permutations
 from typing import Any
@@ -30,7 +31,7 @@ from nonsmooth.proofs.kernel.search import (
     NotShownError,
     SampledProofs,
     Search,
-    instability_hypotheses,
+    directed_hypotheses,
     sample_points,
     stability_hypotheses,
 )
@@ -209,7 +210,6 @@ WEIGHTS = (3, 4)  # q, tried in turn
 WEIGHTED_SHARES = (Fraction(1), Fraction(1, 4), Fraction(1, 16))  # of the checked square
 SMALL, ANGLES = 2.0**-8, 64  # size of l at samples, and how many there are in each half
 WEIGHTED_WORK = 2_000  # coefficients looked at for one claim
-DIRECTIONS = (1, 9), (9, 1), (-1, 9), (-9, 1)
 
 
 def find_weighted_function(system: SwitchedSystem) -> Entry | None:
@@ -285,7 +285,8 @@ def _samples(heavy: int) -> Floats:
 
 def _shown(subject: System, cells: Record, function: str) -> Entry | None:
     """What a V shows: that the point attracts, or, where it is negative somewhere, that it is unstable."""
-    attracts = stability_hypotheses(cells, function, ASYMPTOTICALLY_STABLE)
-    leaves = (("instability", instability_hypotheses(cells, function, own)) for own in DIRECTIONS)
-    tries = (Search(WEIGHTED_WORK).tried(subject, *own) for own in (("lyapunov", attracts), *leaves))
-    return next(filter(None, tries), None)
+    attracts, search = stability_hypotheses(cells, function, ASYMPTOTICALLY_STABLE), Search(WEIGHTED_WORK)
+    found = search.tried(subject, "lyapunov", attracts)
+    with suppress(NotShownError):
+        return found or search.tried(subject, "instability", directed_hypotheses(subject, cells, function, search))
+    return None

@@ -13,6 +13,7 @@ from functools import lru_cache
 from math import acos, pi
 from typing import Any
 
+import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
 from nonsmooth.proofs.checker import tower
@@ -22,6 +23,7 @@ from nonsmooth.proofs.sums_of_squares.ansatz import monomials_between
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction, bits
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import written_powers
 
 KNOWN_FIELDS = 64  # towers that are kept
@@ -138,6 +140,17 @@ def slopes(value: Polynomial) -> list[Coefficient]:
 def rational_slopes(value: Polynomial) -> list[fmpq]:
     """The same of a polynomial with rational coefficients."""
     return list(map(as_fmpq, slopes(value)))
+
+
+def hessian(terms: Mapping[Exponents, Any], count: int) -> Floats:
+    """The second derivatives of a polynomial at the origin."""
+    matrix = np.zeros((count, count))
+    for exponents, value in terms.items():
+        if sum(exponents) == 2:
+            i, j = (k for k, e in enumerate(exponents) for _ in range(e))
+            matrix[i, j] += float(value)
+            matrix[j, i] += float(value)
+    return matrix
 
 
 def part_of(value: Polynomial, degree: int) -> Polynomial:

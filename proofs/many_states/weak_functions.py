@@ -25,13 +25,11 @@ from math import comb
 import numpy as np
 from flint import fmpq_mat
 
-from nonsmooth.proofs.checker.cells import Face, Inclusion
-from nonsmooth.proofs.checker.lyapunov import Lyapunov
+from nonsmooth.proofs.checker.cells import Face
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.polynomials import lie_derivative
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.roots import read_subject
-from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import least_sum, some_contradict
 from nonsmooth.proofs.kernel.bases import (
@@ -53,7 +51,7 @@ from nonsmooth.proofs.kernel.search import (
     Functions,
     NotShownError,
     Search,
-    instability_hypotheses,
+    directed_hypotheses,
     sample_points,
 )
 from nonsmooth.proofs.kernel.second_function import find_second, rounded
@@ -87,7 +85,6 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 SHARES = (Fraction(1), Fraction(1, 8))  # of the checked cube
 MOST = 64.0  # of a coefficient, over what a power of one state has that is one at the border of the cube
 SLACK = 2.0**-30  # by which floats may miss an equality
-DIRECTIONS = 200
 THIN = 2.0**-20  # a distance from planes, in units of half the side of the cube
 BESIDE = 2.0**-12  # of a distance from planes on which a velocity changes its sign
 MOST_KEPT = 8  # cubes with their families
@@ -338,23 +335,12 @@ def find_weak_growth(system: SwitchedSystem, search: Search | None = None) -> En
                 bent = stated_cells(system, radius, surfaces_of(system, formula))
                 cells = sharpened(bent, subject, search).record
                 second = find_second(subject, cells, formula.text, search, below=Fraction(0))
-                stated = Lyapunov(Inclusion(subject, cells, [formula.text], search), search)
-            except (NotShownError, RejectedError):
+                if second is not None:
+                    hypotheses = directed_hypotheses(subject, cells, formula.text, search, second)
+                    return search.entry(subject, "instability", hypotheses)
+            except NotShownError:
                 continue
-            direction = _negative(stated) if second is not None else None
-            if direction is None:
-                continue
-            hypotheses = instability_hypotheses(cells, formula.text, direction, second)
-            with suppress(NotShownError):
-                return search.entry(subject, "instability", hypotheses)
     return None
-
-
-def _negative(stated: Lyapunov) -> tuple[Fraction, ...] | None:
-    """A direction into a cell in which V is negative near the point."""
-    drawn = np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, stated.count))
-    rays = (tuple(Fraction(int(value)) for value in own) for own in drawn if np.any(own))
-    return next((own for own in rays if stated.is_negative_along(own)), None)
 
 
 # ---- stability by energies with sines and cosines ------------------------------------------------
