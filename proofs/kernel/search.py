@@ -180,7 +180,9 @@ def directed_hypotheses(
         NotShownError: where none is found, or the checker refuses the cells or V.
     """
     try:
-        direction = negative_direction(Lyapunov(Inclusion(system, cells, [function], search), search), near)
+        direction = negative_direction(
+            Lyapunov(Inclusion(system, cells, [function], search, framed=True), search), near
+        )
     except RejectedError as error:
         raise NotShownError(f"required {error}") from None
     if direction is None:

@@ -198,6 +198,12 @@ def rates(functions: Sequence[Polynomial], step: int, points: Floats, velocities
     return sign * np.sum(parts, axis=1), np.sum(np.abs(parts), axis=1) + 2.0**-1000
 
 
+def slopes_along(samples: Samples, functions: Sequence[Polynomial]) -> Floats:
+    """The rates of functions at points along their velocities, of shape (m, k)."""
+    slopes = [np.sum(gradient(own, samples.points) * samples.velocities, axis=1) for own in functions]
+    return np.stack(slopes, axis=1)
+
+
 @dataclass(frozen=True)
 class Samples:
     """Points of a place, each with an extreme velocity of the solutions there.
@@ -369,17 +375,15 @@ class Basis:
 
     def rows(self, left: Sequence[tuple[Cell, Samples]]) -> Floats:
         """The rates of all functions, of shape (m, k), each row in units of its largest entry, if that is not zero."""
-        numbers = range(len(self.functions))
-        total = np.vstack([np.stack([self._rates(*own, k) for k in numbers], axis=1) for own in left])
+        total = np.vstack([slopes_along(samples, list(self._on(cell))) for cell, samples in left])
         largest = np.max(np.abs(total), axis=1, keepdims=True)
         return np.unique(np.round(total / np.where(largest > 0, largest, 1.0), 13), axis=0)
 
-    def _rates(self, cell: Cell, samples: Samples, k: int) -> Floats:
-        exponents, j = self.functions[k]
-        own = Polynomial(len(exponents), {exponents: Fraction(1)})
-        if j is not None:
-            own *= self.survey.inclusion.surfaces.signed(j, cell.signs[j])
-        return np.sum(gradient(own, samples.points) * samples.velocities, axis=1)
+    def _on(self, cell: Cell) -> Iterator[Polynomial]:
+        """The functions on a cell."""
+        for exponents, j in self.functions:
+            own = Polynomial(len(exponents), {exponents: Fraction(1)})
+            yield own if j is None else own * self.survey.inclusion.surfaces.signed(j, cell.signs[j])
 
     def text(self, coefficients: Sequence[Fraction]) -> str:
         """W as a formula in the displacement."""
