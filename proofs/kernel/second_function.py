@@ -28,11 +28,11 @@ from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program, with_margin
-from nonsmooth.proofs.kernel.bounds import Bounds, formula
+from nonsmooth.proofs.kernel.bounds import Bounds
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, gradient, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
-from nonsmooth.proofs.kernel.written import slopes
+from nonsmooth.proofs.kernel.written import formula_text, slopes
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
@@ -395,7 +395,7 @@ class Basis:
         largest = max(abs(value) for terms in by_surface.values() for value in terms.values())
         parts = []
         for j, terms in by_surface.items():
-            own = formula(Polynomial(len(states), {e: c / largest for e, c in terms.items()}), states)
+            own = formula_text(Polynomial(len(states), {e: c / largest for e, c in terms.items()}), states)
             parts.append(own if j is None else f"({own})*Abs({self.survey.stated['surfaces'][j]})")
         return " + ".join(parts)
 

@@ -96,12 +96,13 @@ def coefficient_text(value: Coefficient) -> str:
 
 def formula_text(value: Polynomial, names: Sequence[str]) -> str:
     """A polynomial with rational coefficients as a formula, such as ``-3/4*x**2*y + 1``."""
-    written = []
-    for exponents, coefficient in sorted(value.terms.items(), reverse=True):
+    parts = []
+    for exponents, c in sorted(value.terms.items(), reverse=True):
         powers = written_powers(names, exponents)
-        factor = [] if coefficient == 1 and powers else [str(coefficient)]
-        written.append("*".join([*factor, *powers]))
-    return " + ".join(written) or "0"
+        number = [str(abs(c))] if abs(c) != 1 or not powers else []
+        parts.append(f"{'-' if c < 0 else '+'} {'*'.join([*number, *powers])}")
+    joined = " ".join(parts) or "+ 0"
+    return joined[2:] if joined.startswith("+") else f"-{joined[2:]}"
 
 
 def null_basis(matrix: fmpq_mat) -> fmpq_mat:

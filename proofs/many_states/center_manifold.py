@@ -92,7 +92,7 @@ class SplitFrame:
         center = times(self.inverse, own)[:size]
         bent = [line + part.on(own[:size], count) for line, part in zip(times(self.basis, own), self.bend, strict=True)]
         back = times(self.inverse, [x - part.on(center, count) for x, part in zip(own, self.bend, strict=True)])
-        return {"coordinates": [[sum_text(part, states) for part in way] for way in (bent, back)]}
+        return {"coordinates": [[formula_text(part, states) for part in way] for way in (bent, back)]}
 
 
 @dataclass(frozen=True)
@@ -467,7 +467,7 @@ def _composed(value: Polynomial, places: Sequence[Polynomial], count: int, degre
 
 def _multiple(factor: Fraction, name: str, power: int) -> str:
     """Such as ``-3/4*u**3``."""
-    return formula_text(Polynomial(1, {(power,): factor}), [name]).replace("-1*", "-")
+    return formula_text(Polynomial(1, {(power,): factor}), [name])
 
 
 # ---- functions that are proved -------------------------------------------------------------------
@@ -541,7 +541,7 @@ def _shown(
     system: SwitchedSystem, subject: System, stated: StatedCells, proposal: SuggestedFunction, search: Search
 ) -> ExaminedLyapunov | Record | None:
     """A proposal that is proved, or None; floats refute most that are not."""
-    text = sum_text(proposal.function, system.states)
+    text = formula_text(proposal.function, system.states)
     for frame in proposal.frames:
         record = {**stated.record, **({} if frame is None else frame.written(system.states))}
         theorem, hypotheses = "lyapunov", stability_hypotheses(record, text, ASYMPTOTICALLY_STABLE)
@@ -563,9 +563,4 @@ def _shown(
 def _form_text(row: Sequence[str], states: Sequence[str]) -> str:
     count = len(states)
     form = Polynomial(count, {unit(count, k): Fraction(value) for k, value in enumerate(row)})
-    return sum_text(form, states)
-
-
-def sum_text(value: Polynomial, states: Sequence[str]) -> str:
-    """A polynomial as a formula in the names of the states."""
-    return formula_text(value, states).replace("+ -", "- ")
+    return formula_text(form, states)

@@ -33,7 +33,6 @@ from nonsmooth.proofs.checker.polynomials import constant, lie_derivative
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families, formula_text, functions_on
-from nonsmooth.proofs.kernel.bounds import formula as polynomial_text
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     Field,
@@ -54,6 +53,7 @@ from nonsmooth.proofs.kernel.search import (
 )
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes
+from nonsmooth.proofs.kernel.written import formula_text as polynomial_text
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.many_states.examination import (
     POSITIVE,

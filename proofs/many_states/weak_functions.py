@@ -496,7 +496,7 @@ def find_kept_function(system: SwitchedSystem) -> ExaminedLyapunov | None:
         return None
     radius = as_fraction(stated.cells.radius)
     for proposal in _positive_integrals(around.pop()):
-        text = formula_in_states(proposal, radius, system.states).replace("+ -", "- ")
+        text = formula_in_states(proposal, radius, system.states)
         formula = parse_piecewise(text, system.states)
         for share in INTEGRAL_SHARES:
             examined = examine(system, formula, system.check.radius * share, effort=Effort.FULL)
