@@ -220,7 +220,7 @@ class FallingFunction:
             self.conditions.require_below(level)
             rate = self.decay_rate([DecayKind.EXPONENTIAL])
             if rate is not None:
-                return RegionRate(rate.kappa, level)
+                return RegionRate(rate.kappa, level, region.radius)
         return None
 
     def rate_claims(self, decay: DecayKind, kappa: Fraction) -> list[Claim]:

@@ -8,7 +8,6 @@ open is often smooth and degenerate: ``x' = -x + y^2, y' = -y^3`` has ``V = x^2 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from fractions import Fraction
 from itertools import chain, islice
 from typing import TYPE_CHECKING, Any
@@ -20,7 +19,6 @@ from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
 from nonsmooth.proofs.findings import Fact, Record, Translation, function_facts, row_fact
 from nonsmooth.proofs.inequalities.subdivision import shared_effort
 from nonsmooth.proofs.kernel.bases import quadratic_text
-from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text, signed_roots_of
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, examine
@@ -35,7 +33,6 @@ from nonsmooth.proofs.systems.findings import (
     PlaneFunction,
     weak_finding,
 )
-from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
@@ -115,16 +112,15 @@ def find_weak_function(point: PlanePoint, *, may_attract: bool = True) -> PlaneF
     from nonsmooth.proofs.systems.lyapunov_search import MAX_CELLS, audited_weakly, square_cells
 
     system, first = point.system, None
-    with suppress(BeyondReachError, ExpressionError):
-        for formula, radius in islice(energies_near(with_known_numbers(system)), MOST_AUDITS):
-            cells = square_cells(system, radius)
-            result = audited_weakly(system, cells, formula) if len(cells) <= MAX_CELLS else None
-            if result is None:
-                continue
-            found = PlaneFunction(result, Domain(radius), formula, system.states)
-            if not may_attract or point.attraction(found) is not None:
-                return found
-            first = first or found
+    for formula, radius in islice(energies_near(with_known_numbers(system)), MOST_AUDITS):
+        cells = square_cells(system, radius)
+        result = audited_weakly(system, cells, formula) if len(cells) <= MAX_CELLS else None
+        if result is None:
+            continue
+        found = PlaneFunction(result, Domain(radius), formula, system.states)
+        if not may_attract or point.attraction(found) is not None:
+            return found
+        first = first or found
     return first
 
 

@@ -425,7 +425,7 @@ def _options_on(domain: Domain, reach: Reach, system: SwitchedSystem) -> Iterato
     if gain is not None and gain.domain == domain and gain.rate == reach.rate:
         # Where everything comes no region is stated, but the one that a disturbance does not leave.
         level = {} if gain.level is None or reach.near is not None else {"level": exact_text(gain.level)}
-        yield Option({"rate": rate, "gain": exact_text(gain.gamma), **level}, gain_words(reach, states))
+        yield Option({"rate": rate, "gain": exact_text(gain.gamma), **level}, gain_words(gain, states))
 
 
 def _whole(system: SwitchedSystem) -> str:
@@ -466,7 +466,7 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
     yield Option(own, reached_words(region, system.states))
     if far is not None:
         rate = {"kind": "exponential", "kappa": exact_text(far.kappa)}
-        yield Option({**own, "level": exact_text(far.level), "rate": rate}, region_rate_words(reach, system.states))
+        yield Option({**own, "level": exact_text(far.level), "rate": rate}, region_rate_words(far, system.states))
 
 
 def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:

@@ -38,7 +38,7 @@ from nonsmooth.proofs.kernel.search import (
     directed_hypotheses,
     stability_hypotheses,
 )
-from nonsmooth.proofs.kernel.written import coefficient_text, part_of
+from nonsmooth.proofs.kernel.written import coefficient_text, part_of, roundings
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import plus
@@ -105,16 +105,12 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
         values = falling_values(cones, verdict)
         if values is None:
             continue
-        rounded = [_short(values, denominator) for denominator in DENOMINATORS]
+        rounded = list(roundings(values, DENOMINATORS))
         least = shown(smallest, cones, rounded[-1])  # without which there is none on a larger square
         if least is not None:
             squares = (*(cells(lines, share) for share in RADII[:-1]), smallest)
             return next(filter(None, (shown(stated, cones, own) for stated in squares for own in rounded)), least)
     raise NotShownError("no piecewise linear function was found that shows it")
-
-
-def _short(values: Floats, denominator: int) -> list[Fraction]:
-    return [Fraction(float(value)).limit_denominator(denominator) for value in values]
 
 
 # ---- lines and cones -----------------------------------------------------------------------------
@@ -216,8 +212,7 @@ def falling_values(cones: Sequence[FanCone], verdict: str) -> Floats | None:
     found = solve_program(np.append(np.zeros(count), -1.0), A_ub=table, b_ub=np.zeros(len(table)), bounds=bounds)
     if not found.success or found.x[-1] < LEAST or (verdict == UNSTABLE and found.x[:-1].min() >= 0):
         return None
-    values = np.asarray(found.x[:-1])
-    return values / np.abs(values).max()
+    return np.asarray(found.x[:-1])
 
 
 def _rows_of_cones(cones: Sequence[FanCone], degree: int) -> Iterator[tuple[Floats, float]]:

@@ -35,7 +35,7 @@ from nonsmooth.proofs.kernel.search import (
     sample_points,
     stability_hypotheses,
 )
-from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, vanishing_columns
+from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, roundings, vanishing_columns
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
@@ -186,13 +186,7 @@ def proposed(rows: Floats) -> Iterator[list[Fraction]]:
     chosen = with_margin(rows, np.ones(rows.shape[1]))
     if chosen is None:
         return
-    scaled = chosen / np.abs(chosen).max()
-    seen = []
-    for denominator in DENOMINATORS:
-        own = [Fraction(float(c)).limit_denominator(denominator) for c in scaled]
-        if own not in seen and (rows @ np.array(own, dtype=float) > 0).all():
-            seen.append(own)
-            yield own
+    yield from (own for own in roundings(chosen, DENOMINATORS) if (rows @ np.array(own, dtype=float) > 0).all())
 
 
 # ---- a V whose fall is decided by terms of weight ------------------------------------------------

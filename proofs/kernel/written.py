@@ -119,6 +119,16 @@ def null_basis(matrix: fmpq_mat) -> fmpq_mat:
     return fmpq_mat(count, len(free), [value for row in rows for value in row])
 
 
+def roundings(values: Floats, denominators: Sequence[int]) -> Iterator[list[Fraction]]:
+    """Values over the largest, in ever longer fractions, each once."""
+    found: list[list[Fraction]] = []
+    for denominator in denominators:
+        own = [Fraction(float(c)).limit_denominator(denominator) for c in values / np.abs(values).max()]
+        if own not in found:
+            found.append(own)
+            yield own
+
+
 # ---- polynomials with coefficients to be found -----------------------------------------------------
 
 

@@ -307,14 +307,15 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
 
 
 def energies_near(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExpression, Number]]:
-    """Proposals of a positive V that does not rise, with half the side of a cube; raises as above."""
+    """Proposals of a positive V that does not rise, with half the side of a cube; none on cubes beyond reach."""
     for power, share in product((2, 4), SHARES):
         radius = system.check.radius * share
         energy = energy_near(system, radius) if power == 2 else None
         if energy is not None:
             yield energy, radius
-        for formula in weak_functions(system, radius, positive=True, power=power):
-            yield formula, radius
+        with suppress(BeyondReachError, ExpressionError):
+            for formula in weak_functions(system, radius, positive=True, power=power):
+                yield formula, radius
 
 
 def find_weak_growth(system: SwitchedSystem, search: Search | None = None) -> Entry | None:

@@ -210,10 +210,12 @@ class RegionRate:
     Attributes:
         kappa: the rate.
         level: at most that of a certified region in the same square.
+        radius: half the side of the square.
     """
 
     kappa: Fraction
     level: Fraction
+    radius: Any
 
     def __str__(self) -> str:
         return DecayKind.EXPONENTIAL.inequality(self.kappa)

@@ -222,7 +222,8 @@ def test_one_state(rhs: str) -> None:
     assert reach.rate.decay is decay
     assert 0.7 * largest < float(reach.rate.kappa) <= largest
     assert rate_words(reach, ("x",)).startswith("V = abs(x): ")
-    assert ("every start with V < " in gain_words(reach, ("x",))) is not everywhere
+    assert reach.gain is not None
+    assert ("every start with V < " in gain_words(reach.gain, ("x",))) is not everywhere
     claims = certificate_of(result)["statement"]["claims"]
     assert ({"attracts": "everywhere"} in claims) is everywhere
     assert any(own.get("gain", {}).get("gamma") == "1" for own in claims)
@@ -396,7 +397,9 @@ def test_surfaces_that_meet_off_the_point_have_no_gain() -> None:
 
 def test_a_disturbance_has_a_letter_that_no_state_has() -> None:
     result = decide_system(built(("-2*d + w", "-w - sign(w)"), states=("d", "w")))
-    assert gain_words(result.reach, ["d", "w"]).startswith("with x' in F + u: V' <= -4 V + 23/16 abs(u) on abs(d), abs")
-    assert "where abs(u) <= delta" in gain_words(result.reach, ["d", "w"])
+    assert result.reach.gain is not None
+    words = gain_words(result.reach.gain, ["d", "w"])
+    assert words.startswith("with x' in F + u: V' <= -4 V + 23/16 abs(u) on abs(d), abs")
+    assert "where abs(u) <= delta" in words
     lines = describe(certificate_of(result)["statement"])
     assert any("with x' in F + u: V' <= -4 V + 23/16 |u| on abs(d)" in line for line in lines)

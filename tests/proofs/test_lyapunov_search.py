@@ -294,7 +294,7 @@ def test_what_v_does_not_allow_is_not_claimed(load: Load) -> None:
 
 def test_families_too_large_for_a_formula_are_left_out(load: Load, monkeypatch: pytest.MonkeyPatch) -> None:
     """Six lines make a family of 68 functions, and a formula has at most sixty terms: on one square as on two."""
-    monkeypatch.setattr("nonsmooth.proofs.kernel_strategies.WEAK_SCALES", (Fraction(1),))
+    monkeypatch.setattr("nonsmooth.proofs.many_states.weak_functions.SHARES", (Fraction(1),))
     system = load(
         "y*(2 + sign(x + y) - sign(x + 2*y) + sign(x - y))", "-x*(3 + sign(x - 2*y) - sign(2*x + y)) + y*Abs(x)"
     )
