@@ -52,6 +52,7 @@ Proposal: TypeAlias = tuple[Floats, Floats]  # values on rays, and mixed ones
 
 DENOMINATORS = (1 << 6, 1 << 12, 1 << 24)  # of the rounded values, tried in turn
 SS, ST, TT = (2, 0), (1, 1), (0, 2)  # powers of the coordinates in two rays
+MIXED = fmpq(8)  # mixed values at most, over those on rays
 HALVINGS = (0, 1, 2, 3)  # of each cell's cone, tried in turn: more pieces bend more
 
 
@@ -158,17 +159,17 @@ def _solve(count: int, ends: tuple[tuple[int, int], ...], flows: tuple[tuple[fmp
     """The same of ``count`` rays; once, as the linear parts are those of every square."""
     problems: list[Problem] = []
     for mixed, ((first, second), (b11, b12, b21, b22)) in enumerate(zip(ends, flows, strict=True), count):
-        positive: dict[int, Terms] = {first: {SS: fmpq(1)}, mixed: {ST: fmpq(2)}, second: {TT: fmpq(1)}}
+        positive: dict[int, Terms] = {first: {SS: fmpq(1)}, mixed: {ST: 2 * MIXED}, second: {TT: fmpq(1)}}
         falls: dict[int, Terms] = {
             first: {SS: -2 * b11, ST: -2 * b12},
-            mixed: {SS: -2 * b21, ST: -2 * (b11 + b22), TT: -2 * b12},
+            mixed: {SS: -2 * MIXED * b21, ST: -2 * MIXED * (b11 + b22), TT: -2 * MIXED * b12},
             second: {ST: -2 * b21, TT: -2 * b22},
         }
         for slopes in (positive, falls):
             condition = Condition({}, slopes, ({ST: fmpq(1)},), (), len(ST))
             problems.append((condition, build_blocks(condition)))
     found = solve(problems, count + len(ends), inner=0.0, bounded=True)
-    return None if found is None else (found.parameters[:count], found.parameters[count:])
+    return None if found is None else (found.parameters[:count], found.parameters[count:] * float(MIXED))
 
 
 @BEYOND_FLOATS
