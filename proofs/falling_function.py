@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache, partial
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from flint import fmpq
 
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim, Inequality
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.theorems import show_rate
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings import Record
@@ -27,10 +27,11 @@ from nonsmooth.proofs.inequalities.prover import Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
 from nonsmooth.proofs.kernel.bases import functions_on
 from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, rational, stated_cells, surfaces_of
-from nonsmooth.proofs.kernel.search import Collected, Functions, decide_claim, instability_hypotheses
+from nonsmooth.proofs.kernel.search import Collected, Functions, Search, decide_claim, directed_hypotheses
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, with_values
 from nonsmooth.proofs.kernel.subject import (
     NoCertificateError,
+    about,
     exact_text,
     formula_in_names,
     polynomial_in_names,
@@ -198,7 +199,7 @@ class FallingFunction:
             rates = list(dict.fromkeys(rates_below(self._slowest(decay))))
             shown = first_shown(rates, partial(self._rate_proofs, decay))
             if shown is not None:
-                return DecayRate(decay, shown[0], proofs=shown[1])
+                return DecayRate(decay, shown[0], Domain(self.radius), proofs=shown[1])
         return None
 
     def _rate_proofs(self, decay: DecayKind, kappa: Fraction) -> Record | None:
@@ -219,7 +220,7 @@ class FallingFunction:
             self.conditions.require_below(level)
             rate = self.decay_rate([DecayKind.EXPONENTIAL])
             if rate is not None:
-                return RegionRate(rate.kappa, level)
+                return RegionRate(rate.kappa, level, region.radius)
         return None
 
     def rate_claims(self, decay: DecayKind, kappa: Fraction) -> list[Claim]:
@@ -249,7 +250,7 @@ class FallingFunction:
         shown = first_shown(gains, lambda gamma: self._proofs(self._claims(Functions.show_gradient, gamma * radius)))
         if shown is None:
             return None
-        return DisturbanceGain(shown[0], rate, None if region is None else region.level, shown[1])
+        return DisturbanceGain(shown[0], rate, Domain(self.radius), None if region is None else region.level, shown[1])
 
     @property
     def degree(self) -> int:
@@ -394,14 +395,15 @@ def stated_function(
     ], cells
 
 
-def growth_hypotheses(system: SwitchedSystem, function: ExaminedFunction) -> dict[str, Any]:
+def growth_hypotheses(system: SwitchedSystem, function: ExaminedFunction) -> Record:
     """Of theorem ``instability``, by a V that grows: where it does on all of the plane a square is enough, and bounded.
 
     Raises:
-        NoCertificateError: where V cannot be written, and where no direction leads into a cell.
+        NoCertificateError: where V cannot be written.
+        NotShownError: where no direction leads into a cell.
     """
     stated, cells = stated_function(system, function.domain.radius or system.check.radius, function)
-    return instability_hypotheses(cells.record, _negated(stated), _open_direction(system, cells.surfaces))
+    return directed_hypotheses(read_subject(about(system)), cells.record, _negated(stated), Search())
 
 
 def _sides(system: SwitchedSystem, piece: PotentialPiece) -> list[tuple[Form, int]]:
@@ -417,24 +419,3 @@ def _negated(function: str | list[list[str]]) -> Any:
     if isinstance(function, str):
         return f"-({function})"
     return [[signs, f"-({own})"] for signs, own in function]
-
-
-def _open_direction(system: SwitchedSystem, surfaces: Sequence[Form]) -> Sequence[int]:
-    """A direction that leads from the point into a cell: no surface vanishes along it."""
-    for size in range(1, 20):
-        for direction in product(range(-size, size + 1), repeat=len(system.states)):
-            if any(direction) and all(_varies(surface, direction) for surface in surfaces):
-                return direction
-    raise NoCertificateError("a certificate needs a direction that leads into a cell, found none")
-
-
-def _varies(surface: Form, direction: Sequence[int]) -> bool:
-    """Whether a polynomial is not zero along a ray from the origin: the sums of terms of one degree decide."""
-    by_degree: dict[int, Number] = {}
-    for exponents, coefficient in surface.terms.items():
-        factor = 1
-        for x, exponent in zip(direction, exponents, strict=True):
-            factor *= x**exponent
-        degree = sum(exponents)
-        by_degree[degree] = by_degree.get(degree, surface.field.zero) + coefficient * factor
-    return any(by_degree.values())

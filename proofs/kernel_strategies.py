@@ -8,9 +8,8 @@ open is often smooth and degenerate: ``x' = -x + y^2, y' = -y^3`` has ``V = x^2 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from fractions import Fraction
-from itertools import chain
+from itertools import chain, islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,12 +19,10 @@ from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
 from nonsmooth.proofs.findings import Fact, Record, Translation, function_facts, row_fact
 from nonsmooth.proofs.inequalities.subdivision import shared_effort
 from nonsmooth.proofs.kernel.bases import quadratic_text
-from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text, signed_roots_of
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, cube_text
-from nonsmooth.proofs.systems.energies import energy_near
 from nonsmooth.proofs.systems.findings import (
     KEPT,
     NOT_ATTRACTING,
@@ -37,9 +34,7 @@ from nonsmooth.proofs.systems.findings import (
     weak_finding,
 )
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
-from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.messages.scene_error import SceneError
-from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_slopes
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, with_known_numbers
@@ -103,8 +98,7 @@ def search_attraction(point: PlanePoint) -> Finding | None:
     return shown or (conclude_function(point, found) if given is None else None)
 
 
-WEAK_SCALES = (Fraction(1), Fraction(1, 8))  # of the checked square
-MOST_AUDITS = 16  # of proposals in one search
+MOST_AUDITS = 32  # of proposals in one search
 
 
 def find_weak_function(point: PlanePoint, *, may_attract: bool = True) -> PlaneFunction | None:
@@ -114,36 +108,20 @@ def find_weak_function(point: PlanePoint, *, may_attract: bool = True) -> PlaneF
         point: of a system in two states.
         may_attract: whether the equilibrium may attract; otherwise the first V serves.
     """
+    from nonsmooth.proofs.many_states.weak_functions import energies_near
     from nonsmooth.proofs.systems.lyapunov_search import MAX_CELLS, audited_weakly, square_cells
 
-    system, left, first = point.system, MOST_AUDITS, None
-    for scale in WEAK_SCALES:
-        left = max(left, 1)  # on each square: the first proposal may be exact
-        radius = system.check.radius * scale
+    system, first = point.system, None
+    for formula, radius in islice(energies_near(with_known_numbers(system)), MOST_AUDITS):
         cells = square_cells(system, radius)
-        energy = energy_near(system, radius)
-        last = [] if energy is None else [energy]
-        low, high = (_proposed_energies(system, radius, k) if len(cells) <= MAX_CELLS else () for k in (2, 4))
-        for formula in chain(low, last, high):
-            left -= 1
-            result = audited_weakly(system, cells, formula) if left >= 0 or formula is energy else None
-            if result is None:
-                continue
-            found = PlaneFunction(result, Domain(radius), formula, system.states)
-            if not may_attract or point.attraction(found) is not None:
-                return found
-            first = first or found
-        if first is not None:
-            break
+        result = audited_weakly(system, cells, formula) if len(cells) <= MAX_CELLS else None
+        if result is None:
+            continue
+        found = PlaneFunction(result, Domain(radius), formula, system.states)
+        if not may_attract or point.attraction(found) is not None:
+            return found
+        first = first or found
     return first
-
-
-def _proposed_energies(system: SwitchedSystem, radius: Number, power: int) -> Iterator[PiecewiseExpression]:
-    """Sums of least coefficients that do not rise, and are at least a power of the distance, in floats."""
-    from nonsmooth.proofs.many_states.weak_functions import weak_functions
-
-    with suppress(BeyondReachError, ExpressionError):
-        yield from weak_functions(with_known_numbers(system), radius, positive=True, power=power)
 
 
 def decide_by_squares(point: CheckedPoint) -> Finding | None:

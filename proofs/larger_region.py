@@ -18,10 +18,10 @@ import numpy as np
 from nonsmooth.proofs.checker.cells import whole_domain
 from nonsmooth.proofs.falling_function import claims_about
 from nonsmooth.proofs.inequalities.linear_program import solve_program
-from nonsmooth.proofs.kernel.bases import PiecewiseFunction, formula_text, functions_on, monomials, slopes_along
+from nonsmooth.proofs.kernel.bases import PiecewiseFunction, formula_text, functions_on, monomials
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, stated_cells
 from nonsmooth.proofs.kernel.search import Functions
-from nonsmooth.proofs.kernel.second_function import sampled
+from nonsmooth.proofs.kernel.second_function import sampled, slopes_along
 from nonsmooth.proofs.systems.domain import SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.messages.notebook import html_table

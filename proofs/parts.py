@@ -13,8 +13,8 @@ from typing import Any
 
 from nonsmooth.proofs.checker.parts import jumps, names_in
 from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative, variable
-from nonsmooth.proofs.kernel.bounds import formula
 from nonsmooth.proofs.kernel.cells import SignCells, adjoining, stated_cells
+from nonsmooth.proofs.kernel.written import formula_text
 from nonsmooth.proofs.systems.findings import DecidedSystem
 from nonsmooth.symbolic.files.system_builder import part_of, stated_lists
 from nonsmooth.symbolic.files.system_document import with_parameters
@@ -152,7 +152,7 @@ def slides(system: SwitchedSystem) -> Iterator[SlidingSurface]:
             if across and not across.degree and not _jumps_with(system, name):
                 others = tuple(other for other in system.states if other != name)
                 part = part_of(system, others, {name: _solved(system, surface, k)})
-                yield SlidingSurface(stated.record, number, name, formula(surface, system.states), part)
+                yield SlidingSurface(stated.record, number, name, formula_text(surface, system.states), part)
 
 
 def _is_reached(cells: SignCells, number: int, surface: Polynomial) -> bool:
@@ -175,7 +175,7 @@ def _solved(system: SwitchedSystem, surface: Polynomial, k: int) -> str:
     rest = (variable(count, k, slope) - surface).times(1 / slope)
     places = list(zip(system.states, map(str, system.check.equilibrium), strict=True))
     away = {name: f"({name} - ({value}))" for name, value in places if value != "0"}
-    text, (_, own) = str(with_parameters(formula(rest, system.states), away)), places[k]
+    text, (_, own) = str(with_parameters(formula_text(rest, system.states), away)), places[k]
     return f"({text})" if own == "0" else f"({own} + {text})"
 
 

@@ -419,13 +419,13 @@ def _options_on(domain: Domain, reach: Reach, system: SwitchedSystem) -> Iterato
     if reach.rate is None or system.by_roots is not None:  # rates are in the time of the roots
         return
     rate = reach.rate.record
-    if reach.rate_domain == domain:
+    if reach.rate.domain == domain:
         yield Option({"rate": rate}, rate_words(reach, states))
     gain = reach.gain
-    if gain is not None and reach.gain_domain == domain and gain.rate == reach.rate:
+    if gain is not None and gain.domain == domain and gain.rate == reach.rate:
         # Where everything comes no region is stated, but the one that a disturbance does not leave.
         level = {} if gain.level is None or reach.near is not None else {"level": exact_text(gain.level)}
-        yield Option({"rate": rate, "gain": exact_text(gain.gamma), **level}, gain_words(reach, states))
+        yield Option({"rate": rate, "gain": exact_text(gain.gamma), **level}, gain_words(gain, states))
 
 
 def _whole(system: SwitchedSystem) -> str:
@@ -454,8 +454,8 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
     region, far = reach.region, reach.region_rate
     if function is None and reach.rate is None:
         return
-    for domain in dict.fromkeys((reach.rate_domain, reach.gain_domain)):
-        if domain is None or (function is not None and domain == function.stated_on):
+    for domain in dict.fromkeys(own.domain for own in (reach.rate, reach.gain) if own is not None):
+        if function is not None and domain == function.stated_on:
             continue
         own = _stated_on(result, domain)
         for option in _options_on(domain, reach, system):
@@ -466,7 +466,7 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
     yield Option(own, reached_words(region, system.states))
     if far is not None:
         rate = {"kind": "exponential", "kappa": exact_text(far.kappa)}
-        yield Option({**own, "level": exact_text(far.level), "rate": rate}, region_rate_words(reach, system.states))
+        yield Option({**own, "level": exact_text(far.level), "rate": rate}, region_rate_words(far, system.states))
 
 
 def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
@@ -479,7 +479,7 @@ def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
 def _stated_on(result: DecidedSystem, domain: Domain) -> Record:
     """The hypotheses of theorem ``lyapunov`` with the V that decides, on a domain; in one state with the distance."""
     if result.function is None and result.reach.rate is not None:
-        return distance_hypotheses(result.scene, domain, result.reach.rate)
+        return distance_hypotheses(result.scene, replace(result.reach.rate, domain=domain))
     stated, cells = stated_function(result.scene, domain.radius, result.function)
     return stability_hypotheses(cells.record, stated, str(result.verdict))
 

@@ -15,7 +15,7 @@ from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, are_about_forms
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.domain import DecayKind, Domain
+from nonsmooth.proofs.systems.domain import DecayKind
 from nonsmooth.proofs.systems.findings import (
     CheckedPoint,
     DecidedSystem,
@@ -441,8 +441,7 @@ def _with_rate(system: SwitchedSystem, entry: dict[str, Any] | None, reach: Reac
     own = _reach_of_function(system, examined)
     if own.rate is None:
         return reach
-    rate = replace(own.rate, function=function)
-    return replace(reach, near=own.near, rate=rate, rate_domain=examined.stated_on)
+    return replace(reach, near=own.near, rate=replace(own.rate, function=function))
 
 
 @BEYOND_FLOATS
@@ -453,8 +452,7 @@ def _reach_of_function(system: SwitchedSystem, function: ExaminedFunction) -> Re
     holds in the space where it is one of forms.
     """
     is_whole, checked = function.domain.radius is None, system.check.radius
-    cube = Domain(function.stated_on.radius or checked).rational
-    found = _falling(system, function, cube.radius or checked)
+    found = _falling(system, function, function.stated_on.radius or checked)
     near = None if found is None else found.largest_sublevel()
     beyond = _beyond(system, function) if isinstance(function, PlaneFunction) else None
     far = None if beyond is None else beyond.largest_sublevel(falls=False)
@@ -469,14 +467,13 @@ def _reach_of_function(system: SwitchedSystem, function: ExaminedFunction) -> Re
         in_time = rate.decay is not DecayKind.ALGEBRAIC and has_rooted_axis(system)
         return replace(reach, in_finite_time=in_time)
     scales = is_whole and are_about_forms(found.rate_claims(rate.decay, rate.kappa))
+    rate = replace(rate, domain=function.domain) if scales else rate
     return replace(
         reach,
         near=None if scales else near,
         rate=rate,
-        rate_domain=function.domain if scales else cube,
         region_rate=None if beyond is None or far is None or region is near else beyond.region_rate(far),
         gain=found.disturbance_gain(rate, near),
-        gain_domain=cube,
     )
 
 

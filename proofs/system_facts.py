@@ -15,7 +15,9 @@ from nonsmooth.proofs.systems.derivatives import Supremum
 from nonsmooth.proofs.systems.domain import (
     DecayKind,
     DecayRate,
+    DisturbanceGain,
     Domain,
+    RegionRate,
     ReshapedRegion,
     SublevelRegion,
     cube_text,
@@ -93,11 +95,11 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     elif reach.rate is not None:
         yield row_fact("rate", rate_words(reach, states))
     if reach.region_rate is not None:
-        yield row_fact("rate farther out", region_rate_words(reach, states))
+        yield row_fact("rate farther out", region_rate_words(reach.region_rate, states))
     if reach.gain is not None and len(states) == 1:
-        yield Fact("gain", _gain_record(reach, states), gain_words(reach, states), row="disturbed")
+        yield Fact("gain", _gain_record(reach, states), gain_words(reach.gain, states), row="disturbed")
     elif reach.gain is not None:
-        yield row_fact("disturbed", gain_words(reach, states))
+        yield row_fact("disturbed", gain_words(reach.gain, states))
 
 
 def _stability(result: DecidedSystem) -> Iterator[Fact]:
@@ -336,11 +338,11 @@ def outside_record(basin: CertifiedBasin) -> dict[str, object] | None:
 
 def rate_words(reach: Reach, states: Sequence[str]) -> str:
     """How fast V falls on its domain, and what that says of the starts whose solutions stay there."""
-    rate, domain, near = reach.rate, reach.rate_domain, reach.near
-    if rate is None or domain is None:
+    rate, near = reach.rate, reach.near
+    if rate is None:
         raise TypeError("required a rate")
-    where = f"{_potential_words(rate, states)}{rate} on {domain.text(states)}"
-    if domain.radius is None:
+    where = f"{_potential_words(rate, states)}{rate} on {rate.domain.text(states)}"
+    if rate.domain.radius is None:
         return f"{where}: {rate.decay.on_starts(rate.kappa, 'every start')}"
     if len(states) == 1:
         return f"{where}: {rate.decay.on_starts(rate.kappa, 'every start there')}"
@@ -349,30 +351,21 @@ def rate_words(reach: Reach, states: Sequence[str]) -> str:
     return f"{where}: {rate.decay.on_starts(rate.kappa, f'every start with V < {near.level} there')}"
 
 
-def region_rate_words(reach: Reach, states: Sequence[str]) -> str:
+def region_rate_words(rate: RegionRate, states: Sequence[str]) -> str:
     """How fast V falls on a region that reaches beyond its domain."""
-    rate = reach.region_rate
-    if rate is None:
-        raise TypeError("required a rate on a region")
     starts = DecayKind.EXPONENTIAL.on_starts(rate.kappa, "every start there")
-    return f"{rate} where {_below_words(reach, states)}: {starts}"
+    return f"{rate} where {_below_words(rate, states)}: {starts}"
 
 
-def _below_words(reach: Reach, states: Sequence[str]) -> str:
+def _below_words(rate: RegionRate, states: Sequence[str]) -> str:
     """Where the rate on a region holds."""
-    rate, region = reach.region_rate, reach.region
-    if rate is None or region is None:
-        raise TypeError("required a rate on a region")
-    return f"V < {rate.level} within {cube_text(region.radius, states)}"
+    return f"V < {rate.level} within {cube_text(rate.radius, states)}"
 
 
-def gain_words(reach: Reach, states: Sequence[str]) -> str:
+def gain_words(gain: DisturbanceGain, states: Sequence[str]) -> str:
     """What a disturbance does to V on its domain, and to the starts whose solutions stay there."""
-    gain, domain = reach.gain, reach.gain_domain
-    if gain is None or domain is None:
-        raise TypeError("required a gain")
     letter = disturbance_letter(states)
-    where = f"{_potential_words(gain.rate, states)}{gain.inequality(letter)} on {domain.text(states)}"
+    where = f"{_potential_words(gain.rate, states)}{gain.inequality(letter)} on {gain.domain.text(states)}"
     return "; ".join(filter(None, (where, gain.on_starts(letter))))
 
 
@@ -390,18 +383,15 @@ def _rate_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | Non
         "kind": rate.decay.name.lower(),
         "kappa": Quantity(rate.kappa),
         "text": rate_words(reach, states),
-        "within": _within(reach.rate_domain, None if reach.near is None else reach.near.level, states),
+        "within": _within(rate.domain, None if reach.near is None else reach.near.level, states),
     }
-    return record | ({"region": _region_rate_record(reach, states)} if len(states) == len(PLANE) else {})
+    farther = None if reach.region_rate is None else _region_rate_record(reach.region_rate, states)
+    return record | ({"region": farther} if len(states) == len(PLANE) else {})
 
 
-def _region_rate_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | None:
-    rate, region = reach.region_rate, reach.region
-    if rate is None or region is None:
-        return None
-    text = _below_words(reach, states)
-    within = {"radius": Quantity(region.radius), "level": Quantity(rate.level), "text": text}
-    return {"kappa": Quantity(rate.kappa), "text": region_rate_words(reach, states), "within": within}
+def _region_rate_record(rate: RegionRate, states: Sequence[str]) -> dict[str, object]:
+    within = {"radius": Quantity(rate.radius), "level": Quantity(rate.level), "text": _below_words(rate, states)}
+    return {"kappa": Quantity(rate.kappa), "text": region_rate_words(rate, states), "within": within}
 
 
 def _gain_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | None:
@@ -412,14 +402,13 @@ def _gain_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | Non
         "gamma": Quantity(gain.gamma),
         "largest": Quantity(gain.largest),
         "ultimate": Quantity(gain.ultimate),
-        "text": gain_words(reach, states),
-        "within": _within(reach.gain_domain, gain.level, states),
+        "text": gain_words(gain, states),
+        "within": _within(gain.domain, gain.level, states),
     }
 
 
-def _within(domain: Domain | None, level: Fraction | None, states: Sequence[str]) -> dict[str, object]:
+def _within(domain: Domain, level: Fraction | None, states: Sequence[str]) -> dict[str, object]:
     """Where a rate or a gain holds: the cube of V; solutions from V below the level stay in it."""
-    domain = domain or Domain(None)
     return {"radius": Quantity(domain.radius), "level": Quantity(level), "text": domain.text(states)}
 
 

@@ -33,12 +33,13 @@ from nonsmooth.proofs.kernel.cells import (
     stated_cells,
 )
 from nonsmooth.proofs.kernel.escapes import show_escape_of
-from nonsmooth.proofs.kernel.fans import show_by_fan, show_by_weights
+from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, stability_hypotheses
+from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.many_states.lyapunov_search import LARGE, find_growing_product, find_growth, show_relay_of
-from nonsmooth.proofs.many_states.weak_functions import find_kept_function, find_weak_growth
+from nonsmooth.proofs.many_states.weak_functions import energies_near, find_kept_function, find_weak_growth
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import DecidedSystem
 from nonsmooth.proofs.systems.ray_moves import are_cones
@@ -73,12 +74,13 @@ class TheoremSearch:
     most_states: int = MAX_STATES
 
 
-def show_growth_of(system: SwitchedSystem, verdict: str) -> Entry:
+def show_growth_of(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
     """Evidence that the point is unstable by a function that falls, or does not rise, and is negative near it.
 
     Args:
         system: in two states or more.
         verdict: unstable.
+        search: with what was shown before.
 
     Returns:
         The entry of a certificate, and what it shows.
@@ -93,10 +95,31 @@ def show_growth_of(system: SwitchedSystem, verdict: str) -> Entry:
         growth = find_growth(system) or find_growing_product(system) or find_growth(system, LARGE)
     if growth is not None:
         return Search(known=growth["proofs"]).entry(subject, "instability", growth["hypotheses"])
-    found = find_weak_growth(system)
+    found = find_weak_growth(system, search)
     if found is None:
         raise NotShownError("no function was found that shows instability")
     return found
+
+
+def show_attraction_of(system: SwitchedSystem, verdict: str) -> Entry:
+    """Evidence that the point attracts by an energy that does not rise, and functions that rise where it is kept.
+
+    Args:
+        system: in two states or more.
+        verdict: asymptotically stable.
+
+    Returns:
+        The entry of a certificate, and what it shows.
+
+    Raises:
+        NotShownError: where none is found.
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    found = (find_attraction(system, potential, radius) for potential, radius in energies_near(system))
+    entry = next(filter(None, found), None)
+    if entry is None:
+        raise NotShownError("no energy was found that shows that the point attracts")
+    return entry, [{"stability": verdict}]
 
 
 def show_energy_of(system: SwitchedSystem, verdict: str) -> Entry:
@@ -136,7 +159,7 @@ WORK = 2_000  # coefficients looked at for one claim: functions on cones need fe
 ANGLES = np.linspace(0.0, np.pi, 181)  # at which it is seen where two fields are parallel
 DENOMINATOR = 8  # of slopes
 IN_MANY: Sequence[ShowWithin] = (show_departure_of, show_linearization_of, show_escape_of)
-IN_PLANE: Sequence[ShowWithin] = (*IN_MANY, show_by_fan, show_by_weights)
+IN_PLANE: Sequence[ShowWithin] = (*IN_MANY, show_by_fan, show_growth_of)
 
 
 def show_choice_of(system: SwitchedSystem, verdict: str = UNSTABLE) -> Entry:
@@ -326,7 +349,7 @@ THEOREM_SEARCHES = (
     TheoremSearch("linearization", show_linearization_of, (UNSTABLE, ASYMPTOTICALLY_STABLE)),
     TheoremSearch("solution that leaves", show_escape_of, (UNSTABLE,)),
     TheoremSearch("piecewise linear V on a fan", show_by_fan, (UNSTABLE, STABLE, ASYMPTOTICALLY_STABLE), len(PLANE)),
-    TheoremSearch("leading terms with weights", show_by_weights, (UNSTABLE, ASYMPTOTICALLY_STABLE), len(PLANE)),
+    TheoremSearch("energy that does not rise", show_attraction_of, (ASYMPTOTICALLY_STABLE,)),
     TheoremSearch("relative degree of a relay", show_relay_of, (UNSTABLE,)),
     TheoremSearch("function that shows instability", show_growth_of, (UNSTABLE,)),
     TheoremSearch("polynomial that is kept", show_energy_of, (STABLE,)),

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property, reduce
-from itertools import combinations, pairwise
+from itertools import combinations
 from operator import or_
 from typing import Any, NamedTuple
 
@@ -44,6 +44,7 @@ from nonsmooth.proofs.inequalities.real_roots import (
     difference,
     positive_roots,
     product,
+    samples_between,
     separated,
     trimmed,
     value,
@@ -218,9 +219,7 @@ class Kink:
 
     def samples(self) -> list[Fraction]:
         """One point between any two neighbouring roots, and one before and after them."""
-        roots = self.roots
-        inner = [(a.high + b.low) / 2 for a, b in pairwise(roots)]
-        return [roots[0].low, *inner, roots[-1].high] if roots else [Fraction(1)]
+        return samples_between(self.roots)
 
     def point(self, t: Fraction) -> tuple[Any, Any]:
         """The point of the edge at a parameter."""

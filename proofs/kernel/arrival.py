@@ -44,6 +44,7 @@ from nonsmooth.proofs.kernel.rooted_functions import (
     units_of,
 )
 from nonsmooth.proofs.kernel.search import Collected, NotShownError, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.written import roundings
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
@@ -189,7 +190,7 @@ class _Forms:
 
     def _shown(self, chosen: Floats, size: tuple[Fraction, ...]) -> Arrival | None:
         """The bound with V in rational numbers; None where its claims are not shown."""
-        scaled = [Fraction(float(c)).limit_denominator(DENOMINATOR) for c in chosen / np.abs(chosen).max()]
+        (scaled,) = roundings(chosen, [DENOMINATOR])
         function = in_units(scaled, self.listed, self.about)
         rounded, speeds = np.array(scaled, dtype=float), self._speeds(size)
         inside = speeds > 0

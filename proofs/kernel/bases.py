@@ -22,12 +22,11 @@ import numpy as np
 from flint import fmpq
 
 from nonsmooth.proofs.checker.cells import Face, whole_domain
-from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, StatedCells
-from nonsmooth.proofs.kernel.search import Functions, gradient
-from nonsmooth.proofs.kernel.second_function import Samples, points_of, sampled
+from nonsmooth.proofs.kernel.search import Functions, Search
+from nonsmooth.proofs.kernel.second_function import points_of, sampled, slopes_along
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -134,14 +133,22 @@ def field_jumps(cells: SignCells, surface: Polynomial) -> bool:
     return False
 
 
-def functions_on(system: SwitchedSystem, stated: StatedCells, texts: Sequence[str | list[list[str]]]) -> Functions:
+def functions_on(
+    system: SwitchedSystem, stated: StatedCells, texts: Sequence[str | list[list[str]]], search: Search | None = None
+) -> Functions:
     """Functions on cells of a system.
 
+    Args:
+        system: in any number of states.
+        stated: its cells.
+        texts: the functions.
+        search: shows that they are continuous, where they bend on curves.
+
     Raises:
-        BeyondReachError: for functions that are not continuous, or bend on curved surfaces.
+        BeyondReachError: for functions that are not continuous, or bend on curves without a search.
     """
     try:
-        return Functions(read_subject(about(system)), stated.record, texts)
+        return Functions(read_subject(about(system)), stated.record, texts, search)
     except (*MALFORMED, RejectedError, NoCertificateError) as error:
         raise BeyondReachError(f"required {error}") from None
 
@@ -168,12 +175,6 @@ def rates(conditions: Functions, looked_at: LookedAt = points_of, faint: float =
     rows = np.vstack(found)
     rows[np.max(np.abs(rows), axis=1, initial=0.0) <= faint] = 0.0
     return np.unique(np.round(normalized(rows), 12), axis=0)
-
-
-def slopes_along(samples: Samples, functions: Sequence[CheckedPolynomial]) -> Floats:
-    """The rates of functions at points along their velocities, of shape (m, k)."""
-    slopes = [np.sum(gradient(own, samples.points) * samples.velocities, axis=1) for own in functions]
-    return np.stack(slopes, axis=1)
 
 
 def values(conditions: Functions, looked_at: LookedAt = points_of) -> tuple[Floats, Floats]:

@@ -21,10 +21,10 @@ from flint import Ordering, fmpq_mpoly_ctx
 from nonsmooth.proofs.checker.cells import Face, SurfaceSigns
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit, variable
 from nonsmooth.proofs.kernel.search import NotShownError
-from nonsmooth.proofs.kernel.written import part_of, slopes
+from nonsmooth.proofs.kernel.written import formula_text, part_of, slopes
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import float_values, written_powers
+from nonsmooth.symbolic.numbers.polynomial import float_values
 
 LEAST = 2.0**-10  # of a ratio to a power that is worth to be stated
 POWERS = (2, 4, 6, 8)
@@ -177,21 +177,10 @@ class Bounds:
         names = [self.states[self.place.coordinates.index(variable(base.count, k))] for k in range(base.count)]
         scaled = {e: c / radius ** sum(e) for e, c in base.terms.items()}
         leading = scaled[max(scaled)]
-        return formula(Polynomial(base.count, {e: c / leading for e, c in scaled.items()}), names), leading
+        return formula_text(Polynomial(base.count, {e: c / leading for e, c in scaled.items()}), names), leading
 
 
 # ---- polynomials -----------------------------------------------------------------------------------
-
-
-def formula(value: Polynomial, names: Sequence[str]) -> str:
-    """A polynomial as a text."""
-    parts = []
-    for exponents, c in sorted(value.terms.items(), reverse=True):
-        powers = written_powers(names, exponents)
-        number = str(abs(c)) if abs(c) != 1 or not powers else ""
-        parts.append(f"{'-' if c < 0 else '+'} {'*'.join([*([number] if number else []), *powers])}")
-    joined = " ".join(parts)
-    return (joined[2:] if joined.startswith("+") else f"-{joined[2:]}") if parts else "0"
 
 
 def factorized(value: Polynomial) -> tuple[Fraction, list[tuple[Polynomial, int]]]:

@@ -1,33 +1,25 @@
-"""Functions V of two states where the first terms of the fields decide: piecewise linear ones, and ones with weights.
+"""Piecewise linear functions V of two states where the first terms of the fields decide.
 
-*Fans.*  Lines through the point, among them the tangents of all switching curves, cut the plane into cones; V is linear
-on each, so its values on the rays give it.  That it falls along the first terms f of the fields is linear in these
-values: ``grad V . f(u) < 0`` at directions u of each closed cone, and ``rho V(r) < 0`` on each ray r along which a
-mixture of fields from both sides has the radial velocity ``rho r``.  A linear program in floats proposes the values;
-terms of higher order change little on a small cube, on which the theorem's own claims decide.
-
-*Weights.*  Let F and G be linear forms, F of twice the weight of G: twisting, relays under inertia and the like.
-``x' = y``, ``y' = -a sign(x) - b sign(y)`` has ``F = x`` and ``G = y``.  F may also be what a field switches by, such
-as ``x + y Abs(y)`` of a bang-bang law on a curved line.  A linear program in floats finds
-``V = c Abs(F) + d F + G**2`` that does not rise; better it cannot do where ``G = 0``, because its derivative has a
-factor G there.  Further functions show that no solution stays where V is kept.
+Lines through the point, among them the tangents of all switching curves, cut the plane into cones; V is linear on each,
+so its values on the rays give it.  That it falls along the first terms f of the fields is linear in these values:
+``grad V . f(u) < 0`` at directions u of each closed cone, and ``rho V(r) < 0`` on each ray r along which a mixture of
+fields from both sides has the radial velocity ``rho r``.  A linear program in floats proposes the values; terms of
+higher order change little on a small cube, on which the theorem's own claims decide.
 """
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
-from itertools import permutations
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from nonsmooth.proofs.checker.cells import Cell, Inclusion, pattern
-from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative
-from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
+from nonsmooth.proofs.checker.cells import Cell, Inclusion, System, pattern
+from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.theorems import STABLE, UNSTABLE
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.inequalities.real_roots import form_lines, lowest_form
@@ -38,23 +30,19 @@ from nonsmooth.proofs.kernel.cells import (
     sharpened,
     started,
     stated_cells,
-    surfaces_of,
 )
 from nonsmooth.proofs.kernel.search import (
     Entry,
     NotShownError,
     Search,
-    instability_hypotheses,
-    sample_points,
+    directed_hypotheses,
     stability_hypotheses,
 )
-from nonsmooth.proofs.kernel.second_function import find_second
-from nonsmooth.proofs.kernel.written import coefficient_text, part_of
-from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.proofs.kernel.written import coefficient_text, part_of, roundings
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import plus
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_values
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -108,7 +96,7 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
     def shown(stated: StatedCells, cones: Sequence[FanCone], values: Sequence[Fraction]) -> Entry | None:
         """The entry of a certificate; None where it is not shown."""
         with suppress(NotShownError):
-            return search.tried(subject, *_written(stated, cones, values, verdict, subject.states))
+            return search.tried(subject, *_written(stated, cones, values, verdict, subject, search))
         return None
 
     for lines in _line_sets(system):
@@ -117,16 +105,12 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
         values = falling_values(cones, verdict)
         if values is None:
             continue
-        rounded = [_short(values, denominator) for denominator in DENOMINATORS]
+        rounded = list(roundings(values, DENOMINATORS))
         least = shown(smallest, cones, rounded[-1])  # without which there is none on a larger square
         if least is not None:
             squares = (*(cells(lines, share) for share in RADII[:-1]), smallest)
             return next(filter(None, (shown(stated, cones, own) for stated in squares for own in rounded)), least)
     raise NotShownError("no piecewise linear function was found that shows it")
-
-
-def _short(values: Floats, denominator: int) -> list[Fraction]:
-    return [Fraction(float(value)).limit_denominator(denominator) for value in values]
 
 
 # ---- lines and cones -----------------------------------------------------------------------------
@@ -228,8 +212,7 @@ def falling_values(cones: Sequence[FanCone], verdict: str) -> Floats | None:
     found = solve_program(np.append(np.zeros(count), -1.0), A_ub=table, b_ub=np.zeros(len(table)), bounds=bounds)
     if not found.success or found.x[-1] < LEAST or (verdict == UNSTABLE and found.x[:-1].min() >= 0):
         return None
-    values = np.asarray(found.x[:-1])
-    return values / np.abs(values).max()
+    return np.asarray(found.x[:-1])
 
 
 def _rows_of_cones(cones: Sequence[FanCone], degree: int) -> Iterator[tuple[Floats, float]]:
@@ -291,17 +274,23 @@ def _floats(ray: Ray) -> Floats:
 
 
 def _written(
-    stated: StatedCells, cones: Sequence[FanCone], values: Sequence[Fraction], verdict: str, states: Sequence[str]
+    stated: StatedCells,
+    cones: Sequence[FanCone],
+    values: Sequence[Fraction],
+    verdict: str,
+    subject: System,
+    search: Search,
 ) -> tuple[str, Record]:
     """The theorem's name, and its hypotheses with V as linear pieces."""
     pieces = []
     for cone, value, after in zip(cones, values, [*values[1:], values[0]], strict=True):
         slopes = map(coefficient_text, _gradient(cone, value, after))
-        formula = " + ".join(f"{slope}*{name}" for slope, name in zip(slopes, states, strict=True))
+        formula = " + ".join(f"{slope}*{name}" for slope, name in zip(slopes, subject.states, strict=True))
         pieces.append([cone.mark, formula])
     if verdict != UNSTABLE:
         return "lyapunov", stability_hypotheses(stated.record, pieces, verdict)
-    return "instability", instability_hypotheses(stated.record, pieces, _downward(cones, values))
+    lowest = _floats(cones[values.index(min(values))].start)
+    return "instability", directed_hypotheses(subject, stated.record, pieces, search, near=[lowest])
 
 
 def _gradient(cone: FanCone, value: Fraction, after: Fraction) -> Ray:
@@ -309,135 +298,3 @@ def _gradient(cone: FanCone, value: Fraction, after: Fraction) -> Ray:
     (a, b), (c, d) = cone.start, cone.end
     area = a * d - b * c
     return (value * d - after * b) / area, (after * a - value * c) / area
-
-
-def _downward(cones: Sequence[FanCone], values: Sequence[Fraction]) -> Ray:
-    """A direction inside the cone after the lowest ray, near the ray."""
-    k = min(range(len(values)), key=lambda i: values[i])
-    after, weight = values[(k + 1) % len(values)], 1
-    if values[k] >= 0:
-        raise NotShownError("a V that is negative on a ray")
-    while values[k] * weight + after >= 0:
-        weight *= 2
-    start, end = cones[k].start, cones[k].end
-    inside = start[0] * weight + end[0], start[1] * weight + end[1]
-    x, y = (own if isinstance(own, Fraction) else Fraction(float(own)) for own in inside)
-    return x, y
-
-
-WEIGHT_RADII = (Fraction(1, 4), Fraction(1, 16))  # half-widths of cubes, over that of the scene
-WEIGHT_DENOMINATORS = (1 << 2, 1 << 5, 1 << 9)  # of the coefficients, tried in turn
-LEAST_SHARE, MOST = 1 / 16, 64.0  # of c over d, and of both
-SLACK = 2.0**-20  # by which V may rise in floats
-DIRECTION = (3, 7)  # in which V is negative near an unstable point
-
-
-def show_by_weights(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
-    """Evidence of a verdict by V and further functions, where one linear form has twice the weight of another.
-
-    Args:
-        system: in two states.
-        verdict: asymptotically stable, or unstable.
-        search: with what was shown before.
-
-    Returns:
-        The entry of a certificate, and what it shows.
-
-    Raises:
-        NotShownError: where none is found.
-        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
-    """
-    subject, search = started(system, search)
-    grows = verdict == UNSTABLE
-    for heavy, light in _frames(system) if verdict != STABLE else ():
-        basis = (f"Abs({heavy})", f"({heavy})", f"({light})**2")
-        bent = surfaces_of(system, parse_piecewise(basis[0], system.states))
-        for share in WEIGHT_RADII:
-            cells = stated_cells(system, system.check.radius * share, bent)
-            if len(bent) == 1 and any(surface.degree > 1 for surface in cells.surfaces):
-                continue  # V would have to bend on curves
-            cells = sharpened(cells, subject, search)
-            try:
-                inclusion = build_inclusion(cells, subject, search, basis)
-            except NotShownError:
-                continue  # Abs(F) is not shown to be continuous
-            for function in _proposals(inclusion, basis, grows=grows):
-                below = Fraction(0) if grows else None
-                second = find_second(subject, cells.record, function, search, below=below)
-                if second is not None:
-                    theorem = "instability" if grows else "lyapunov"
-                    return search.entry(subject, theorem, _hypotheses(cells.record, function, second, grows=grows))
-    raise NotShownError("no function was found for leading terms with weights")
-
-
-def _hypotheses(cells: Record, function: str, second: Record, *, grows: bool) -> Record:
-    if grows:
-        return instability_hypotheses(cells, function, DIRECTION, second)
-    return stability_hypotheses(cells, function, ASYMPTOTICALLY_STABLE, second)
-
-
-def _proposals(inclusion: Inclusion, basis: Sequence[str], *, grows: bool) -> list[str]:
-    """The function with coefficients that are rounded more and more finely, each once."""
-    found = []
-    values = _coefficients(inclusion, grows=grows)
-    for denominator in WEIGHT_DENOMINATORS if values else ():
-        c, d = (Fraction(value).limit_denominator(denominator) for value in values)
-        function = f"{c}*{basis[0]} + {d}*{basis[1]} + {basis[2]}"
-        found.append(f"-({function})" if grows else function)
-    return list(dict.fromkeys(found))
-
-
-def _frames(system: SwitchedSystem) -> Iterator[tuple[str, str]]:
-    """Pairs of F and G: what fields switch by, where that switches too; tangents of switching curves, and the axes."""
-    states = system.displaced(system.states)
-    lines = [own - centre for own, centre in zip(states, system.check.equilibrium, strict=True)]
-    for surface in system.surfaces(states):
-        if surface.degree and not surface.at_origin:
-            lines += [own for own in form_lines(lowest_form(surface)) or [] if monic(own) not in map(monic, lines)]
-    for text in dict.fromkeys(_bent_lines(system)) if not any(system.check.equilibrium) else ():
-        curves = surfaces_of(system, parse_piecewise(f"Abs({text})", system.states))
-        tangents = [monic(lowest_form(curve)) for curve in curves if curve.degree > 1]
-        yield from ((text, str(own)) for own in lines if monic(own) not in tangents)
-    yield from permutations(map(str, lines), 2)
-
-
-def _bent_lines(system: SwitchedSystem) -> Iterator[str]:
-    """What right-hand sides take the sign of, where that itself switches."""
-    for side in system.rhs:
-        for part in side.switching_parts:
-            call = part.tree
-            if isinstance(call, ast.Call) and len(call.args) == 1:
-                inner = replace(part, tree=call.args[0])
-                if inner.switching_parts:
-                    yield ast.unparse(inner.tree)
-
-
-def _coefficients(inclusion: Inclusion, *, grows: bool) -> list[float]:
-    """The c and d for which V falls most in the mean and rises at no sample, or none; in reversed time where it grows.
-
-    Args:
-        inclusion: with the functions ``Abs(F)``, F and ``G**2`` on its cells.
-        grows: whether V must not fall.
-    """
-    rates = _rates(inclusion) * (-1.0 if grows else 1.0)
-    sizes = np.maximum(max_norms(rates), np.finfo(float).tiny)
-    rows = rates / sizes[:, None]
-    positive = np.array([[-1.0, 1.0], [-1.0, -1.0]])
-    table = np.vstack([rows[:, :2], positive])
-    limits = np.concatenate([SLACK - rows[:, 2], np.full(2, -LEAST_SHARE)])
-    found = solve_program(rows[:, :2].mean(axis=0), A_ub=table, b_ub=limits, bounds=[(0, MOST), (-MOST, MOST)])
-    return list(map(float, found.x)) if found.success else []
-
-
-def _rates(inclusion: Inclusion) -> Floats:
-    """The derivatives of the functions at points of the cells, one row for each point and field."""
-    points = sample_points(inclusion.count, bounded=True)
-    listed = inclusion.surfaces.listed
-    signs = np.stack([float_values(own.terms, points) > 0 for own in listed], axis=1)
-    found = []
-    for cell in inclusion.cells:
-        inside = points[(signs == (np.array(cell.signs) > 0)).all(axis=1)]
-        for _, field in cell.fields:
-            columns = [float_values(lie_derivative(own, field).terms, inside) for own in cell.functions]
-            found.append(np.stack(columns, axis=1))
-    return np.vstack(found)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -19,7 +20,6 @@ import numpy as np
 from flint import fmpq_mat, fmpq_poly
 
 from nonsmooth.proofs.checker.cells import System
-from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Coefficient, Polynomial, constant, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.findings import Record
@@ -32,7 +32,7 @@ from nonsmooth.proofs.kernel.cells import (
     started,
     stated_cells,
 )
-from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, stability_hypotheses
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, directed_hypotheses, stability_hypotheses
 from nonsmooth.proofs.kernel.written import formula_text, null_basis, rational_slopes, slopes
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
@@ -44,7 +44,6 @@ RADII = tuple(Fraction(1, 4**k) for k in range(7))  # half-widths of cubes, over
 DENOMINATORS = (1 << 5, 1 << 10, 1 << 20)  # of what floats propose, tried in turn
 MIDDLE = 3 / 8  # where mu lies between real parts: in the middle itself two eigenvalues of A - mu I may add to zero
 TIE, RELATIVE_TIE = 2.0**-20, 2.0**-32  # below which two eigenvalues of A - mu I add to zero; and times the norm of A
-DIRECTIONS = 200  # drawn about the one in which V is least
 
 
 def show_departure_of(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
@@ -127,20 +126,19 @@ def show_linearization_of(system: SwitchedSystem, verdict: str, search: Search |
         if jacobian is None:
             continue
         matrix = np.array(jacobian, dtype=float)
-        for quadratic, direction in quadratics(matrix, attracts=verdict == ASYMPTOTICALLY_STABLE):
-            found = search.tried(subject, *_written(stated, quadratic, direction, verdict, subject))
-            if found is not None:
-                return found
+        for quadratic in quadratics(matrix, attracts=verdict == ASYMPTOTICALLY_STABLE):
+            function = formula_text(quadratic, subject.states)
+            with suppress(NotShownError):
+                found = search.tried(subject, *_written(stated, function, verdict, subject, search))
+                if found is not None:
+                    return found
     raise NotShownError("no quadratic function was found that shows it near the point")
 
 
-def _written(
-    stated: StatedCells, quadratic: Polynomial, direction: Sequence[Fraction], verdict: str, subject: System
-) -> tuple[str, Record]:
-    cells, function = stated.record, formula_text(quadratic, subject.states)
+def _written(stated: StatedCells, function: str, verdict: str, subject: System, search: Search) -> tuple[str, Record]:
     if verdict == ASYMPTOTICALLY_STABLE:
-        return "lyapunov", stability_hypotheses(cells, function, verdict)
-    return "instability", instability_hypotheses(cells, function, direction)
+        return "lyapunov", stability_hypotheses(stated.record, function, verdict)
+    return "instability", directed_hypotheses(subject, stated.record, function, search)
 
 
 def common_jacobian(fields: Sequence[Field]) -> tuple[tuple[Coefficient, ...], ...] | None:
@@ -162,17 +160,13 @@ def first_terms_attract(system: SwitchedSystem, subject: System) -> bool:
     return max(values, default=0.0) < -TIE
 
 
-def quadratics(matrix: Floats, *, attracts: bool) -> Iterator[tuple[Polynomial, Sequence[Fraction]]]:
-    """Proposals of V, and of a direction in which it is negative."""
+def quadratics(matrix: Floats, *, attracts: bool) -> Iterator[Polynomial]:
+    """Proposals of V."""
     size = len(matrix)
     for mu in _shifts(matrix, attracts=attracts):
         solution = lyapunov_solution(matrix, mu, np.eye(size))
-        if solution is None:
-            continue
-        vectors = np.linalg.eigh(solution)[1]
-        for denominator in DENOMINATORS:
-            quadratic = quadratic_form(solution, denominator)
-            yield quadratic, _in_general_position(quadratic, vectors[:, 0])
+        if solution is not None:
+            yield from (quadratic_form(solution, denominator) for denominator in DENOMINATORS)
 
 
 def lyapunov_solution(matrix: Floats, mu: float, weight: Floats) -> Floats | None:
@@ -215,17 +209,6 @@ def quadratic_form(matrix: Floats, denominator: int) -> Polynomial:
             value = Fraction(float(matrix[i, j])).limit_denominator(denominator)
             total += variable(size, i) * variable(size, j, value)
     return total
-
-
-def _in_general_position(quadratic: Polynomial, vector: Floats) -> list[Fraction]:
-    """A direction near a vector, in which V is negative, and which lies in no simple surface."""
-    source = np.random.default_rng(0)
-    for k in range(DIRECTIONS):
-        moved = vector / np.abs(vector).max() + source.normal(size=len(vector)) * 2.0 ** -(2 + k % 8)
-        direction = [Fraction(float(x)).limit_denominator(1 << 10) for x in moved]
-        if sign_along(quadratic, direction) < 0:
-            return direction
-    return [Fraction(float(x)) for x in vector]
 
 
 def axis_factor(characteristic: fmpq_poly) -> fmpq_poly:

@@ -9,6 +9,7 @@ linear program proposes P by samples.  (Ahmadi and El Khadir 2018: ``V = (x^4 + 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import permutations
 from typing import Any
@@ -30,11 +31,11 @@ from nonsmooth.proofs.kernel.search import (
     NotShownError,
     SampledProofs,
     Search,
-    instability_hypotheses,
+    directed_hypotheses,
     sample_points,
     stability_hypotheses,
 )
-from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, vanishing_columns
+from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, roundings, vanishing_columns
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
@@ -185,13 +186,7 @@ def proposed(rows: Floats) -> Iterator[list[Fraction]]:
     chosen = with_margin(rows, np.ones(rows.shape[1]))
     if chosen is None:
         return
-    scaled = chosen / np.abs(chosen).max()
-    seen = []
-    for denominator in DENOMINATORS:
-        own = [Fraction(float(c)).limit_denominator(denominator) for c in scaled]
-        if own not in seen and (rows @ np.array(own, dtype=float) > 0).all():
-            seen.append(own)
-            yield own
+    yield from (own for own in roundings(chosen, DENOMINATORS) if (rows @ np.array(own, dtype=float) > 0).all())
 
 
 # ---- a V whose fall is decided by terms of weight ------------------------------------------------
@@ -209,7 +204,6 @@ WEIGHTS = (3, 4)  # q, tried in turn
 WEIGHTED_SHARES = (Fraction(1), Fraction(1, 4), Fraction(1, 16))  # of the checked square
 SMALL, ANGLES = 2.0**-8, 64  # size of l at samples, and how many there are in each half
 WEIGHTED_WORK = 2_000  # coefficients looked at for one claim
-DIRECTIONS = (1, 9), (9, 1), (-1, 9), (-9, 1)
 
 
 def find_weighted_function(system: SwitchedSystem) -> Entry | None:
@@ -285,7 +279,8 @@ def _samples(heavy: int) -> Floats:
 
 def _shown(subject: System, cells: Record, function: str) -> Entry | None:
     """What a V shows: that the point attracts, or, where it is negative somewhere, that it is unstable."""
-    attracts = stability_hypotheses(cells, function, ASYMPTOTICALLY_STABLE)
-    leaves = (("instability", instability_hypotheses(cells, function, own)) for own in DIRECTIONS)
-    tries = (Search(WEIGHTED_WORK).tried(subject, *own) for own in (("lyapunov", attracts), *leaves))
-    return next(filter(None, tries), None)
+    attracts, search = stability_hypotheses(cells, function, ASYMPTOTICALLY_STABLE), Search(WEIGHTED_WORK)
+    found = search.tried(subject, "lyapunov", attracts)
+    with suppress(NotShownError):
+        return found or search.tried(subject, "instability", directed_hypotheses(subject, cells, function, search))
+    return None

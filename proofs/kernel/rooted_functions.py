@@ -46,6 +46,7 @@ from nonsmooth.proofs.kernel.search import (
     sample_points,
     stability_hypotheses,
 )
+from nonsmooth.proofs.kernel.written import roundings
 from nonsmooth.symbolic.files.system_builder import with_roots
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import MAX_ORDER
@@ -308,11 +309,8 @@ def samples(count: int, seeds: tuple[int, ...]) -> Floats:
 
 def _rounded(chosen: Floats, rows: Floats) -> list[Fraction] | None:
     """Coefficients in the shortest numbers with which all rows stay positive; None where those are too long."""
-    for denominator in DENOMINATORS:
-        own = [Fraction(float(c)).limit_denominator(denominator) for c in chosen / np.abs(chosen).max()]
-        if (rows @ np.array(own, dtype=float) > 0).all():
-            return own
-    return None
+    served = (own for own in roundings(chosen, DENOMINATORS) if (rows @ np.array(own, dtype=float) > 0).all())
+    return next(served, None)
 
 
 def in_units(chosen: Sequence[Fraction], listed: Sequence[Product], about: InRoots) -> Function:

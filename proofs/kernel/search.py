@@ -18,6 +18,7 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -33,7 +34,7 @@ from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided
 from nonsmooth.proofs.kernel import simplices, squares
-from nonsmooth.proofs.kernel.written import exact, slopes, twin, written_number
+from nonsmooth.proofs.kernel.written import exact, hessian, slopes, twin, written_number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, squared_norms
 from nonsmooth.symbolic.numbers.polynomial import float_values, float_values_and_sizes
@@ -150,6 +151,72 @@ def instability_hypotheses(
         second: further functions with bounds of their rates, where V does not fall everywhere.
     """
     return {"cells": cells, "function": function, "second": second, "direction": list(map(str, direction))}
+
+
+DIRECTIONS = 200  # drawn in whole numbers, about each one that is thought of, and of any kind
+FINE = 1 << 10  # denominator of the others
+
+
+def directed_hypotheses(
+    system: System,
+    cells: Record,
+    function: Any,
+    search: Search,
+    second: Record | None = None,
+    *,
+    near: Sequence[Floats] = (),
+) -> Record:
+    """The same with a direction that is found.
+
+    Args:
+        system: the subject.
+        cells: as a certificate states them.
+        function: V, likewise.
+        search: keeps the proofs that are found.
+        second: further functions with bounds of their rates, where V does not fall everywhere.
+        near: directions in whose neighbourhood V is thought to be negative.
+
+    Raises:
+        NotShownError: where none is found, or the checker refuses the cells or V.
+    """
+    try:
+        direction = negative_direction(
+            Lyapunov(Inclusion(system, cells, [function], search, framed=True), search), near
+        )
+    except RejectedError as error:
+        raise NotShownError(f"required {error}") from None
+    if direction is None:
+        raise NotShownError("no direction was found in which V is negative")
+    return instability_hypotheses(cells, function, direction, second)
+
+
+def negative_direction(stated: Lyapunov, near: Sequence[Floats] = ()) -> tuple[Fraction, ...] | None:
+    """A direction into a cell in which V is negative near the point; None where none is found.
+
+    Short ones are tried first, then those near given ones, and near those in which the quadratic part of a piece is
+    least.
+    """
+    source, shape = np.random.default_rng(0), (DIRECTIONS, stated.count)
+    least = (_least_directions(own) for own in dict.fromkeys(map(stated.potential, stated.inclusion.cells)))
+    about = (own / np.abs(own).max() + _nearer(source.normal(size=shape)) for own in chain(near, *least))
+    for drawn in chain([source.integers(-9, 10, shape)], about, [source.normal(size=shape)]):
+        for candidate in drawn:
+            direction = tuple(Fraction(float(x)).limit_denominator(FINE) for x in candidate)
+            if any(direction) and stated.is_negative_along(direction):
+                return direction
+    return None
+
+
+def _least_directions(potential: Polynomial) -> Floats:
+    """Both directions in which the quadratic part of a piece of V is least, in rows."""
+    least = np.linalg.eigh(hessian(potential.terms, potential.count))[1][:, 0]
+    return np.stack([least, -least])
+
+
+def _nearer(steps: Floats) -> Floats:
+    """Steps, the first of which is none, and the others of several sizes."""
+    sizes = 2.0 ** -(2 + np.arange(len(steps)) % 8)
+    return np.asarray(np.where(np.arange(len(steps)) == 0, 0.0, sizes)[:, None] * steps)
 
 
 @dataclass(frozen=True)
@@ -338,9 +405,15 @@ class Functions(Lyapunov):
         number: of the function that is V.
     """
 
-    def __init__(self, system: System, cells: Record, functions: Sequence[str | list[list[str]]]) -> None:
+    def __init__(
+        self,
+        system: System,
+        cells: Record,
+        functions: Sequence[str | list[list[str]]],
+        search: Search | None = None,
+    ) -> None:
         self.collected = Collected()
-        super().__init__(Inclusion(system, cells, list(functions), self.collected), self.collected)
+        super().__init__(Inclusion(system, cells, list(functions), search or self.collected), self.collected)
         self.number = 0
         self._known: dict[Hashable, Any] = {}  # of all functions: guards and pushes
 

@@ -28,11 +28,11 @@ from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program, with_margin
-from nonsmooth.proofs.kernel.bounds import Bounds, formula
+from nonsmooth.proofs.kernel.bounds import Bounds
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, gradient, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
-from nonsmooth.proofs.kernel.written import slopes
+from nonsmooth.proofs.kernel.written import formula_text, slopes
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
@@ -196,6 +196,12 @@ def rates(functions: Sequence[Polynomial], step: int, points: Floats, velocities
     sign = 1.0 if step else -1.0
     parts = gradient(functions[step], points) * velocities
     return sign * np.sum(parts, axis=1), np.sum(np.abs(parts), axis=1) + 2.0**-1000
+
+
+def slopes_along(samples: Samples, functions: Sequence[Polynomial]) -> Floats:
+    """The rates of functions at points along their velocities, of shape (m, k)."""
+    slopes = [np.sum(gradient(own, samples.points) * samples.velocities, axis=1) for own in functions]
+    return np.stack(slopes, axis=1)
 
 
 @dataclass(frozen=True)
@@ -369,17 +375,15 @@ class Basis:
 
     def rows(self, left: Sequence[tuple[Cell, Samples]]) -> Floats:
         """The rates of all functions, of shape (m, k), each row in units of its largest entry, if that is not zero."""
-        numbers = range(len(self.functions))
-        total = np.vstack([np.stack([self._rates(*own, k) for k in numbers], axis=1) for own in left])
+        total = np.vstack([slopes_along(samples, list(self._on(cell))) for cell, samples in left])
         largest = np.max(np.abs(total), axis=1, keepdims=True)
         return np.unique(np.round(total / np.where(largest > 0, largest, 1.0), 13), axis=0)
 
-    def _rates(self, cell: Cell, samples: Samples, k: int) -> Floats:
-        exponents, j = self.functions[k]
-        own = Polynomial(len(exponents), {exponents: Fraction(1)})
-        if j is not None:
-            own *= self.survey.inclusion.surfaces.signed(j, cell.signs[j])
-        return np.sum(gradient(own, samples.points) * samples.velocities, axis=1)
+    def _on(self, cell: Cell) -> Iterator[Polynomial]:
+        """The functions on a cell."""
+        for exponents, j in self.functions:
+            own = Polynomial(len(exponents), {exponents: Fraction(1)})
+            yield own if j is None else own * self.survey.inclusion.surfaces.signed(j, cell.signs[j])
 
     def text(self, coefficients: Sequence[Fraction]) -> str:
         """W as a formula in the displacement."""
@@ -391,7 +395,7 @@ class Basis:
         largest = max(abs(value) for terms in by_surface.values() for value in terms.values())
         parts = []
         for j, terms in by_surface.items():
-            own = formula(Polynomial(len(states), {e: c / largest for e, c in terms.items()}), states)
+            own = formula_text(Polynomial(len(states), {e: c / largest for e, c in terms.items()}), states)
             parts.append(own if j is None else f"({own})*Abs({self.survey.stated['surfaces'][j]})")
         return " + ".join(parts)
 

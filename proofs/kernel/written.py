@@ -13,6 +13,7 @@ from functools import lru_cache
 from math import acos, pi
 from typing import Any
 
+import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
 from nonsmooth.proofs.checker import tower
@@ -22,6 +23,7 @@ from nonsmooth.proofs.sums_of_squares.ansatz import monomials_between
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction, bits
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import written_powers
 
 KNOWN_FIELDS = 64  # towers that are kept
@@ -94,12 +96,13 @@ def coefficient_text(value: Coefficient) -> str:
 
 def formula_text(value: Polynomial, names: Sequence[str]) -> str:
     """A polynomial with rational coefficients as a formula, such as ``-3/4*x**2*y + 1``."""
-    written = []
-    for exponents, coefficient in sorted(value.terms.items(), reverse=True):
+    parts = []
+    for exponents, c in sorted(value.terms.items(), reverse=True):
         powers = written_powers(names, exponents)
-        factor = [] if coefficient == 1 and powers else [str(coefficient)]
-        written.append("*".join([*factor, *powers]))
-    return " + ".join(written) or "0"
+        number = [str(abs(c))] if abs(c) != 1 or not powers else []
+        parts.append(f"{'-' if c < 0 else '+'} {'*'.join([*number, *powers])}")
+    joined = " ".join(parts) or "+ 0"
+    return joined[2:] if joined.startswith("+") else f"-{joined[2:]}"
 
 
 def null_basis(matrix: fmpq_mat) -> fmpq_mat:
@@ -114,6 +117,16 @@ def null_basis(matrix: fmpq_mat) -> fmpq_mat:
         for i, pivot in enumerate(pivots):
             rows[pivot][column] = -reduced[i, k]
     return fmpq_mat(count, len(free), [value for row in rows for value in row])
+
+
+def roundings(values: Floats, denominators: Sequence[int]) -> Iterator[list[Fraction]]:
+    """Values over the largest, in ever longer fractions, each once."""
+    found: list[list[Fraction]] = []
+    for denominator in denominators:
+        own = [Fraction(float(c)).limit_denominator(denominator) for c in values / np.abs(values).max()]
+        if own not in found:
+            found.append(own)
+            yield own
 
 
 # ---- polynomials with coefficients to be found -----------------------------------------------------
@@ -138,6 +151,17 @@ def slopes(value: Polynomial) -> list[Coefficient]:
 def rational_slopes(value: Polynomial) -> list[fmpq]:
     """The same of a polynomial with rational coefficients."""
     return list(map(as_fmpq, slopes(value)))
+
+
+def hessian(terms: Mapping[Exponents, Any], count: int) -> Floats:
+    """The second derivatives of a polynomial at the origin."""
+    matrix = np.zeros((count, count))
+    for exponents, value in terms.items():
+        if sum(exponents) == 2:
+            i, j = (k for k, e in enumerate(exponents) for _ in range(e))
+            matrix[i, j] += float(value)
+            matrix[j, i] += float(value)
+    return matrix
 
 
 def part_of(value: Polynomial, degree: int) -> Polynomial:

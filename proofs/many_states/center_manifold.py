@@ -42,7 +42,7 @@ from nonsmooth.proofs.kernel.search import (
     NotShownError,
     SampledProofs,
     Search,
-    instability_hypotheses,
+    directed_hypotheses,
     stability_hypotheses,
 )
 from nonsmooth.proofs.kernel.written import combined, formula_text, null_basis, part_of, rational_slopes, slopes
@@ -92,7 +92,7 @@ class SplitFrame:
         center = times(self.inverse, own)[:size]
         bent = [line + part.on(own[:size], count) for line, part in zip(times(self.basis, own), self.bend, strict=True)]
         back = times(self.inverse, [x - part.on(center, count) for x, part in zip(own, self.bend, strict=True)])
-        return {"coordinates": [[sum_text(part, states) for part in way] for way in (bent, back)]}
+        return {"coordinates": [[formula_text(part, states) for part in way] for way in (bent, back)]}
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,6 @@ class SuggestedFunction:
     Attributes:
         function: V.
         attracts: whether it shows asymptotic stability, not instability.
-        direction: along which V is negative near the point, where it shows instability.
         words: what the reduced field does.
         is_whole: whether there is no stable subspace beside it.
         frames: coordinates of the centre and stable subspaces in which it may be shown that V falls.
@@ -110,7 +109,6 @@ class SuggestedFunction:
 
     function: Polynomial
     attracts: bool
-    direction: tuple[Fraction, ...]
     words: str
     is_whole: bool
     frames: tuple[SplitFrame | None, ...]
@@ -390,9 +388,7 @@ class Reduction:
         frames = self._frames(leading, manifold)
         for gain in GAINS if count > split.size else (0,):
             function = base + self._square(off).times(gain) if gain else base
-            whole = count == split.size
-            direction, words = self._direction(leading), leading.words
-            yield SuggestedFunction(function, leading.attracts, direction, words, whole, frames)
+            yield SuggestedFunction(function, leading.attracts, leading.words, count == split.size, frames)
 
     def _frames(self, leading: Leading, manifold: Sequence[Polynomial]) -> tuple[SplitFrame | None, ...]:
         """Those in which V' may be negative: the states, both subspaces, or the manifold where it bends too much."""
@@ -403,11 +399,6 @@ class Reduction:
             return tuple(split.frame(scale, manifold) for scale in SCALES)
         skew = tuple(map(split.frame, SCALES))
         return skew if leading.attracts and not split.is_along_axes else (None, *skew)
-
-    def _direction(self, leading: Leading) -> tuple[Fraction, ...]:
-        """Of the centre subspace, in which W is least near the point."""
-        side = 1 if leading.potential.slope(0) <= 0 else -1
-        return tuple(side * as_fraction(self.split.right[i, 0]) for i in range(self.split.count))
 
     def _square(self, off: Sequence[Polynomial]) -> Polynomial:
         """``w^T P w`` with ``A^T P + P A = -I`` on the stable subspace, rounded."""
@@ -476,7 +467,7 @@ def _composed(value: Polynomial, places: Sequence[Polynomial], count: int, degre
 
 def _multiple(factor: Fraction, name: str, power: int) -> str:
     """Such as ``-3/4*u**3``."""
-    return formula_text(Polynomial(1, {(power,): factor}), [name]).replace("-1*", "-")
+    return formula_text(Polynomial(1, {(power,): factor}), [name])
 
 
 # ---- functions that are proved -------------------------------------------------------------------
@@ -550,14 +541,13 @@ def _shown(
     system: SwitchedSystem, subject: System, stated: StatedCells, proposal: SuggestedFunction, search: Search
 ) -> ExaminedLyapunov | Record | None:
     """A proposal that is proved, or None; floats refute most that are not."""
-    text = sum_text(proposal.function, system.states)
+    text = formula_text(proposal.function, system.states)
     for frame in proposal.frames:
         record = {**stated.record, **({} if frame is None else frame.written(system.states))}
         theorem, hypotheses = "lyapunov", stability_hypotheses(record, text, ASYMPTOTICALLY_STABLE)
-        if not proposal.attracts:
-            along = _column(proposal.direction) if frame is None else frame.inverse * _column(proposal.direction)
-            theorem, hypotheses = "instability", instability_hypotheses(record, text, along.entries())
         try:
+            if not proposal.attracts:
+                theorem, hypotheses = "instability", directed_hypotheses(subject, record, text, search)
             SampledProofs().entry(subject, theorem, hypotheses)
             if not proposal.attracts or frame is not None:
                 return search.entry(subject, theorem, hypotheses)[0]
@@ -570,16 +560,7 @@ def _shown(
     return None
 
 
-def _column(values: Sequence[Fraction]) -> fmpq_mat:
-    return fmpq_mat([[as_fmpq(value)] for value in values])
-
-
 def _form_text(row: Sequence[str], states: Sequence[str]) -> str:
     count = len(states)
     form = Polynomial(count, {unit(count, k): Fraction(value) for k, value in enumerate(row)})
-    return sum_text(form, states)
-
-
-def sum_text(value: Polynomial, states: Sequence[str]) -> str:
-    """A polynomial as a formula in the names of the states."""
-    return formula_text(value, states).replace("+ -", "- ")
+    return formula_text(form, states)

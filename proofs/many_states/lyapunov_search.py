@@ -18,13 +18,12 @@ degree need no V (:func:`show_relay_of`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 from itertools import combinations, pairwise, product
-from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -34,7 +33,6 @@ from nonsmooth.proofs.checker.polynomials import constant, lie_derivative
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families, formula_text, functions_on
-from nonsmooth.proofs.kernel.bounds import formula as polynomial_text
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     Field,
@@ -47,13 +45,15 @@ from nonsmooth.proofs.kernel.cells import (
 from nonsmooth.proofs.kernel.search import (
     SLACK,
     Entry,
-    Functions,
     NotShownError,
+    directed_hypotheses,
     instability_hypotheses,
+    negative_direction,
     sample_points,
 )
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes
+from nonsmooth.proofs.kernel.written import formula_text as polynomial_text
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.many_states.examination import (
     POSITIVE,
@@ -72,8 +72,8 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_pie
 from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
-from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values, written_powers
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values, written_powers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SCALES = tuple(Fraction(1, 4**k) for k in range(4))  # of the checked cube
@@ -244,8 +244,6 @@ def _unscaled(basis: Sequence[PiecewiseFunction], found: Sequence[fmpq], radius:
 
 SPEED = Fraction(1, 16)  # of a product that falls where it is negative
 HIGHEST_POWER = 3  # of a state in a product
-DIRECTIONS = 600  # drawn at random, beside those of the most negative curvature
-FINE = 1 << 10  # denominator of a direction
 
 
 def find_growth(system: SwitchedSystem, entries: range = SMALL) -> Record | None:
@@ -363,40 +361,6 @@ def _proofs(claims: Sequence[Claim], effort: Effort) -> Record | None:
     return proofs
 
 
-def negative_direction(conditions: Functions) -> tuple[Fraction, ...] | None:
-    """A direction in which V is negative near the point; None where none is found."""
-    drawn = np.random.default_rng(0).normal(size=(DIRECTIONS, conditions.count))
-    for candidate in (*_curved(conditions), *drawn):
-        direction = _rounded_direction(candidate)
-        if any(direction) and conditions.is_negative_along(direction):
-            return direction
-    return None
-
-
-def _curved(conditions: Functions) -> Iterator[Floats]:
-    """Directions in which the quadratic part of a piece is least."""
-    for cell in conditions.inclusion.cells:
-        vectors = np.linalg.eigh(hessian(conditions.potential(cell).terms, conditions.count))[1]
-        yield vectors[:, 0]
-        yield -vectors[:, 0]
-
-
-def hessian(terms: Mapping[Exponents, Any], count: int) -> Floats:
-    """The second derivatives of a polynomial at the origin."""
-    matrix = np.zeros((count, count))
-    for exponents, value in terms.items():
-        if sum(exponents) == 2:
-            i, j = (k for k, e in enumerate(exponents) for _ in range(e))
-            matrix[i, j] += float(value)
-            matrix[j, i] += float(value)
-    return matrix
-
-
-def _rounded_direction(values: Floats) -> tuple[Fraction, ...]:
-    size = max_norm(values)
-    return tuple(Fraction(round(float(x) / size * FINE), FINE) for x in values)
-
-
 # ---- a relay whose sign shows late in the derivatives of its switching function ------------------
 #
 # Then the point is unstable.
@@ -414,9 +378,6 @@ def _rounded_direction(values: Floats) -> tuple[Fraction, ...]:
 # started there and stayed near would have a limit set of solutions on which W is a positive constant: then ``s = 0``
 # all the time, so all ``h_i = 0`` and ``W = 0``.  Of relays and integrators in a row this is known since Anosov (1959);
 # here the rest of the field is arbitrary.
-
-
-SHIFTS = (Fraction(0), Fraction(1, 64), Fraction(-1, 100))  # of a direction, off the other surfaces
 
 
 @dataclass(frozen=True)
@@ -476,10 +437,10 @@ def show_relay_of(system: SwitchedSystem, verdict: str) -> Entry:
         products = (before * after for before, after in pairwise(ladder))
         function, *others = (polynomial_text(own, system.states) for own in (-relay.rising, *products))
         second = find_second(subject, stated.record, function, search, below=Fraction(0), others=others)
-        for shift in SHIFTS if second is not None else ():
-            direction = (x + k * shift for k, x in enumerate(relay.direction, 1))
-            hypotheses = instability_hypotheses(stated.record, function, direction, second)
+        if second is not None:
+            near = [np.array(relay.direction, dtype=float)]
             with suppress(NotShownError):
+                hypotheses = directed_hypotheses(subject, stated.record, function, search, second, near=near)
                 return search.entry(subject, "instability", hypotheses)
     raise NotShownError("no relay was found whose relative degree shows it")
 

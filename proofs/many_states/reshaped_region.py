@@ -29,7 +29,8 @@ from nonsmooth.proofs.kernel.bases import PiecewiseFunction, formula_text, funct
 from nonsmooth.proofs.kernel.cells import BeyondReachError, rational, rational_terms, stated_cells, without_signs
 from nonsmooth.proofs.kernel.search import Collected, stability_hypotheses
 from nonsmooth.proofs.kernel.squares import find
-from nonsmooth.proofs.many_states.lyapunov_search import about_sum, hessian
+from nonsmooth.proofs.kernel.written import hessian
+from nonsmooth.proofs.many_states.lyapunov_search import about_sum
 from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks, monomials_between
 from nonsmooth.proofs.sums_of_squares.conic_program import Solution, nearest, solve
 from nonsmooth.proofs.sums_of_squares.prove import Effort

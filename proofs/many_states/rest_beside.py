@@ -28,7 +28,7 @@ from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_
 from nonsmooth.proofs.kernel.cells import BeyondReachError, Field, SignCells, build_cells, rational, started
 from nonsmooth.proofs.kernel.first_terms import lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
-from nonsmooth.proofs.kernel.written import null_basis, rational_slopes
+from nonsmooth.proofs.kernel.written import formula_text, null_basis, rational_slopes
 from nonsmooth.proofs.many_states.center_manifold import (
     DENOMINATOR,
     Reduction,
@@ -36,7 +36,6 @@ from nonsmooth.proofs.many_states.center_manifold import (
     Vector,
     smooth_fields,
     split_at,
-    sum_text,
     times,
 )
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
@@ -213,7 +212,7 @@ def beside_curve_of_rest(system: SwitchedSystem, *, with_function: bool) -> Rest
             if not with_function:
                 return RestingCurve(words)
             for function in curve.functions():
-                text = sum_text(function, system.states)
+                text = formula_text(function, system.states)
                 examined = examine(system, parse_piecewise(text, system.states), radius)
                 if examined.decrease is Decrease.WEAK:
                     return RestingCurve(words, examined)
@@ -271,8 +270,8 @@ class Curve:
         parts = []
         for state, value, own in zip(system.states, centre, self.places, strict=True):
             place = constant(1, as_fraction(value)) + own
-            parts.append(f"{state} = {sum_text(place, [name])}")
-        return ", ".join(parts).replace("-1*", "-")
+            parts.append(f"{state} = {formula_text(place, [name])}")
+        return ", ".join(parts)
 
     def functions(self) -> Iterator[Polynomial]:
         """V for some k, of no large degree."""

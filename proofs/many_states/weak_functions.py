@@ -11,6 +11,7 @@ is proposed is proved, or is dropped.  A relay that gains energy, ``x' = y, y' =
 
 from __future__ import annotations
 
+import ast
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -23,13 +24,11 @@ from math import comb
 import numpy as np
 from flint import fmpq_mat
 
-from nonsmooth.proofs.checker.cells import Face, Inclusion
-from nonsmooth.proofs.checker.lyapunov import Lyapunov
+from nonsmooth.proofs.checker.cells import Face
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.polynomials import lie_derivative
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.roots import read_subject
-from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import least_sum, some_contradict
 from nonsmooth.proofs.kernel.bases import (
@@ -38,10 +37,11 @@ from nonsmooth.proofs.kernel.bases import (
     formula_text,
     functions_on,
     monomial,
+    monomials,
     rates,
     values,
 )
-from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, started, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, sharpened, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.first_terms import fields_around, neutral_subspace
 from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
 from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms, proposed
@@ -50,7 +50,7 @@ from nonsmooth.proofs.kernel.search import (
     Functions,
     NotShownError,
     Search,
-    instability_hypotheses,
+    directed_hypotheses,
     sample_points,
 )
 from nonsmooth.proofs.kernel.second_function import find_second, rounded
@@ -84,7 +84,6 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 SHARES = (Fraction(1), Fraction(1, 8))  # of the checked cube
 MOST = 64.0  # of a coefficient, over what a power of one state has that is one at the border of the cube
 SLACK = 2.0**-30  # by which floats may miss an equality
-DIRECTIONS = 200
 THIN = 2.0**-20  # a distance from planes, in units of half the side of the cube
 BESIDE = 2.0**-12  # of a distance from planes on which a velocity changes its sign
 MOST_KEPT = 8  # cubes with their families
@@ -134,19 +133,21 @@ class FunctionFamily:
         system: whose solutions they shall not rise along.
         stated: its cells.
         basis: the functions.
+        search: shows that they are continuous, where they bend on curves.
     """
 
     system: SwitchedSystem
     stated: StatedCells
     basis: tuple[PiecewiseFunction, ...]
+    search: Search | None = None
 
     @cached_property
     def program(self) -> LinearProgram:
         """The program of their sums."""
         costs = np.array([1.0 + own.degree / 8 + ("Abs" in own.text) for own in self.basis])
-        beside = cache(partial(rates, self._conditions, near_planes))
+        beside = cache(partial(rates, self.conditions, near_planes))
         radius = fmpq_to_float(self.stated.cells.radius)
-        return LinearProgram(rates(self._conditions), *values(self._conditions), costs, beside, radius)
+        return LinearProgram(rates(self.conditions), *values(self.conditions), costs, beside, radius)
 
     @cached_property
     def kept(self) -> fmpq_mat:
@@ -160,7 +161,7 @@ class FunctionFamily:
         Where eigenvalues of the field of a cell lie on the imaginary axis, no V falls on the whole subspace N of these:
         one that does not rise is kept there, and V' has no terms of first order beside N.  No columns without an N.
         """
-        known = self._conditions
+        known = self.conditions
         fields = [field for cell in known.inclusion.cells for _, field in cell.fields]
         neutral = [(k, own) for k, own in enumerate(map(neutral_subspace, fields)) if own is not None]
         lists: list[list[CheckedPolynomial]] = [[] for _ in self.basis]
@@ -179,18 +180,39 @@ class FunctionFamily:
     @cached_property
     def _claims(self) -> list[list[Claim]]:
         """Of each function, that it falls on closed cells."""
-        return list(map(self._conditions.claims_on_cells, range(len(self.basis))))
+        return list(map(self.conditions.claims_on_cells, range(len(self.basis))))
 
     @cached_property
-    def _conditions(self) -> Functions:
-        return functions_on(self.system, self.stated, [own.text for own in self.basis])
+    def conditions(self) -> Functions:
+        """The claims about the functions."""
+        return functions_on(self.system, self.stated, [own.text for own in self.basis], self.search)
 
 
 @lru_cache(maxsize=MOST_KEPT)
 def families_on(system: SwitchedSystem, radius: Number) -> tuple[FunctionFamily, ...]:
     """The families on a cube, for energies and for what shows instability; raises as :func:`weak_functions`."""
     stated = stated_cells(system, radius)
-    return tuple(FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True))
+    found = [FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True)]
+    bends = tuple(PiecewiseFunction(f"Abs({text})", 1) for text in dict.fromkeys(_bent_lines(system)))
+    if bends and not any(system.check.equilibrium):
+        with suppress(NotShownError, BeyondReachError):
+            subject, search = started(system)
+            known = sharpened(stated, subject, search)
+            family = FunctionFamily(system, known, (*bends, *monomials(system.states, 2)), search)
+            family.conditions  # noqa: B018 - whether they are shown to be continuous
+            found.append(family)
+    return tuple(found)
+
+
+def _bent_lines(system: SwitchedSystem) -> Iterator[str]:
+    """What right-hand sides take the sign of, where that itself switches, as a bang-bang law by a curved line does."""
+    for side in system.rhs:
+        for part in side.switching_parts:
+            call = part.tree
+            if isinstance(call, ast.Call) and len(call.args) == 1:
+                inner = replace(part, tree=call.args[0])
+                if inner.switching_parts:
+                    yield ast.unparse(inner.tree)
 
 
 def near_planes(place: Face) -> Floats:
@@ -276,29 +298,31 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    for formula, radius in _energies(system):
+    for formula, radius in energies_near(system):
         examined = examine(system, formula, radius)
         if examined.decrease in (Decrease.STRICT, Decrease.WEAK):
             return examined
     return None
 
 
-def _energies(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExpression, Number]]:
-    """Proposals of a positive V that does not rise, with half the side of a cube; raises as above."""
+def energies_near(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExpression, Number]]:
+    """Proposals of a positive V that does not rise, with half the side of a cube; none on cubes beyond reach."""
     for power, share in product((2, 4), SHARES):
         radius = system.check.radius * share
         energy = energy_near(system, radius) if power == 2 else None
         if energy is not None:
             yield energy, radius
-        for formula in weak_functions(system, radius, positive=True, power=power):
-            yield formula, radius
+        with suppress(BeyondReachError, ExpressionError):
+            for formula in weak_functions(system, radius, positive=True, power=power):
+                yield formula, radius
 
 
-def find_weak_growth(system: SwitchedSystem) -> Entry | None:
+def find_weak_growth(system: SwitchedSystem, search: Search | None = None) -> Entry | None:
     """The theorem on instability by a V that does not rise; None where none is found.
 
     Args:
         system: in two states or more, with rational numbers.
+        search: with what was shown before.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
@@ -307,26 +331,16 @@ def find_weak_growth(system: SwitchedSystem) -> Entry | None:
         radius = system.check.radius * share
         for formula in weak_functions(system, radius, positive=False):
             try:
-                subject, search = started(system)
-                cells = stated_cells(system, radius, surfaces_of(system, formula)).record
+                subject, search = started(system, search)
+                bent = stated_cells(system, radius, surfaces_of(system, formula))
+                cells = sharpened(bent, subject, search).record
                 second = find_second(subject, cells, formula.text, search, below=Fraction(0))
-                stated = Lyapunov(Inclusion(subject, cells, [formula.text], search), search)
-            except (NotShownError, RejectedError):
+                if second is not None:
+                    hypotheses = directed_hypotheses(subject, cells, formula.text, search, second)
+                    return search.entry(subject, "instability", hypotheses)
+            except NotShownError:
                 continue
-            direction = _negative(stated) if second is not None else None
-            if direction is None:
-                continue
-            hypotheses = instability_hypotheses(cells, formula.text, direction, second)
-            with suppress(NotShownError):
-                return search.entry(subject, "instability", hypotheses)
     return None
-
-
-def _negative(stated: Lyapunov) -> tuple[Fraction, ...] | None:
-    """A direction into a cell in which V is negative near the point."""
-    drawn = np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, stated.count))
-    rays = (tuple(Fraction(int(value)) for value in own) for own in drawn if np.any(own))
-    return next((own for own in rays if stated.is_negative_along(own)), None)
 
 
 # ---- stability by energies with sines and cosines ------------------------------------------------
@@ -479,7 +493,7 @@ def find_kept_function(system: SwitchedSystem) -> ExaminedLyapunov | None:
         return None
     radius = as_fraction(stated.cells.radius)
     for proposal in _positive_integrals(around.pop()):
-        text = formula_in_states(proposal, radius, system.states).replace("+ -", "- ")
+        text = formula_in_states(proposal, radius, system.states)
         formula = parse_piecewise(text, system.states)
         for share in INTEGRAL_SHARES:
             examined = examine(system, formula, system.check.radius * share, effort=Effort.FULL)

@@ -44,19 +44,17 @@ class Solution:
     margin: float
 
 
-@dataclass
 class _Rows:
-    """A sparse matrix that grows."""
+    """A sparse matrix that grows row by row, with the right-hand sides."""
 
-    rows: list[int]
-    columns: list[int]
-    values: list[float]
-    count: int = 0
+    def __init__(self) -> None:
+        self.entries: list[tuple[float, int, int]] = []
+        self.right: list[float] = []
 
-    def add(self, row: int, column: int, value: float) -> None:
-        self.rows.append(row)
-        self.columns.append(column)
-        self.values.append(value)
+    def add(self, row: Mapping[int, float], right: float) -> None:
+        """Add a row by its columns."""
+        self.entries += [(value, len(self.right), column) for column, value in row.items()]
+        self.right.append(right)
 
 
 Problem: TypeAlias = tuple[Condition, Blocks]
@@ -114,33 +112,29 @@ def solve(
 
     starts, total = _places(problems, parameters + 1)
     margin = parameters
-    matrix, right = _Rows([], [], []), []
+    matrix = _Rows()
     for (condition, blocks), own in zip(problems, starts, strict=True):
-        right += _comparison(condition, blocks, own, matrix)
-    cones: list[Any] = [clarabel.ZeroConeT(matrix.count)]
-    limits = _limits(parameters, margin, matrix, bounded=bounded)
-    if price is not None:
-        matrix.add(matrix.count, margin, -1.0)
-        matrix.count += 1
-        limits.append(-least)
-    right += limits
+        for monomial, compared in _comparison(condition, blocks, own).items():
+            matrix.add(compared, float(condition.constant.get(monomial, 0)))
+    cones: list[Any] = [clarabel.ZeroConeT(len(matrix.right))]
+    limits = [({margin: 1.0}, 1.0)]
+    limits += [({k: side}, 1.0) for k in range(parameters if bounded else 0) for side in (1.0, -1.0)]
+    limits += [] if price is None else [({margin: -1.0}, -least)]
+    for limit in limits:
+        matrix.add(*limit)
     cones.append(clarabel.NonnegativeConeT(len(limits)))
     for (_, blocks), own in zip(problems, starts, strict=True):
         for k, (block, start) in enumerate(zip(blocks, own, strict=True)):
             size = len(block.monomials)
             for row, column, weight in _triangle(size):
-                here = start + column * (column + 1) // 2 + row
-                matrix.add(matrix.count, here, -weight)
-                if row == column:
-                    matrix.add(matrix.count, margin, inner if k else 1.0)
-                matrix.count += 1
-                right.append(0.0)
+                own_margin = {margin: inner if k else 1.0} if row == column else {}
+                matrix.add({start + column * (column + 1) // 2 + row: -weight, **own_margin}, 0.0)
             if size:
                 cones.append(clarabel.PSDTriangleConeT(size) if size > 1 else clarabel.NonnegativeConeT(1))
-    if not are_finite([*matrix.values, *right]):  # coefficients beyond the range of floats
+    weights, numbers, columns = zip(*matrix.entries, strict=True)
+    if not are_finite([*weights, *matrix.right]):  # coefficients beyond the range of floats
         return None
-    shape = (matrix.count, total)
-    rows = sparse.csc_matrix((matrix.values, (matrix.rows, matrix.columns)), shape=shape)
+    rows = sparse.csc_matrix((weights, (numbers, columns)), shape=(len(matrix.right), total))
     objective = np.zeros(total)
     objective[margin] = -1.0
     if price is not None:
@@ -149,7 +143,7 @@ def solve(
     settings.verbose = False
     settings.max_iter = ITERATIONS
     nothing = sparse.csc_matrix((total, total))
-    found = clarabel.DefaultSolver(nothing, objective, rows, np.array(right), cones, settings).solve()
+    found = clarabel.DefaultSolver(nothing, objective, rows, np.array(matrix.right), cones, settings).solve()
     values = np.asarray(found.x)
     if not len(values) or not np.all(np.isfinite(values)) or (strict and not values[margin] > LEAST_MARGIN):
         return None
@@ -189,37 +183,19 @@ def entries(block: Block) -> Iterator[tuple[int, dict[Exponents, Any]]]:
             yield column * (column + 1) // 2 + row, terms
 
 
-def _comparison(condition: Condition, blocks: Blocks, starts: Sequence[int], matrix: _Rows) -> list[float]:
+def _comparison(condition: Condition, blocks: Blocks, starts: Sequence[int]) -> dict[Exponents, dict[int, float]]:
     """One row for each monomial: the sum over the blocks less p is zero."""
-    place: dict[Exponents, int] = {}
-
-    def row_of(exponents: Exponents) -> int:
-        if exponents not in place:
-            place[exponents] = matrix.count
-            matrix.count += 1
-        return place[exponents]
-
+    rows: dict[Exponents, dict[int, float]] = {}
     for block, start in zip(blocks, starts, strict=True):
         for k, terms in entries(block):
             for exponents, value in terms.items():
-                matrix.add(row_of(exponents), start + k, float(value))
+                rows.setdefault(exponents, {})[start + k] = float(value)
     for parameter, slope in condition.slopes.items():
         for exponents, value in slope.items():
-            matrix.add(row_of(exponents), parameter, -float(value))
+            rows.setdefault(exponents, {})[parameter] = -float(value)
     for exponents in condition.constant:
-        row_of(exponents)
-    return [float(condition.constant.get(exponents, 0)) for exponents in place]
-
-
-def _limits(parameters: int, margin: int, matrix: _Rows, *, bounded: bool) -> list[float]:
-    """The margin is at most 1, and parameters lie between -1 and 1."""
-    matrix.add(matrix.count, margin, 1.0)
-    matrix.count += 1
-    for parameter in range(parameters if bounded else 0):
-        for side in (1.0, -1.0):
-            matrix.add(matrix.count, parameter, side)
-            matrix.count += 1
-    return [1.0] * (1 + 2 * parameters * bounded)
+        rows.setdefault(exponents, {})
+    return rows
 
 
 def _symmetric(values: Floats, start: int, size: int) -> Floats:

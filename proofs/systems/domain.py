@@ -151,12 +151,14 @@ class DecayRate:
     Attributes:
         decay: of which kind.
         kappa: the rate.
+        domain: where it holds.
         function: V in one state, where nothing else names it; empty elsewhere.
         proofs: the evidence by the names of the checker's claims, where it is found in that form.
     """
 
     decay: DecayKind
     kappa: Fraction
+    domain: Domain
     function: str = ""
     proofs: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
@@ -208,10 +210,12 @@ class RegionRate:
     Attributes:
         kappa: the rate.
         level: at most that of a certified region in the same square.
+        radius: half the side of the square.
     """
 
     kappa: Fraction
     level: Fraction
+    radius: Any
 
     def __str__(self) -> str:
         return DecayKind.EXPONENTIAL.inequality(self.kappa)
@@ -227,21 +231,25 @@ LETTERS = "dwuvqprst"  # of a disturbance: the first that is no state, of which 
 class DisturbanceGain:
     """A proved gain.
 
-    It holds on the square, or the cube, on which V and its rate are proved, or everywhere.
-
     Attributes:
         gamma: of the disturbance.
         rate: of V without it.
+        domain: where it holds, with the rate: the square, or the cube, on which V is proved, or of a V that is proved
+            on the plane the checked one.
         level: of the region that is certified on that square; None where there is none, and everywhere.
         proofs: the evidence by the names of the checker's claims, where it is found in that form.
-        everywhere: whether it holds in the whole space.
     """
 
     gamma: Fraction
     rate: DecayRate
+    domain: Domain
     level: Fraction | None
     proofs: Mapping[str, Any] = field(default_factory=dict, hash=False)
-    everywhere: bool = False
+
+    @property
+    def everywhere(self) -> bool:
+        """Whether it holds in the whole space."""
+        return self.domain.radius is None
 
     @property
     def largest(self) -> Fraction | None:

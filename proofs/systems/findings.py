@@ -246,11 +246,8 @@ class Reach(ShortRepr):
         near: starts that stay where V is proved to fall, and reach the point.
         region: the most starts that are certified to reach the point: these, or more in the checked square.
         rate: of V where it is proved to fall, hence from the starts of ``near``.
-        rate_domain: where this rate holds; None without one.
         region_rate: of V on the region, where that is larger than ``near``.
         gain: of a disturbance.
-        gain_domain: where it holds, with the rate without it: the square on which V is proved, or of a V that is proved
-            on the plane the checked one.
         basin: triangles around the region of which every start reaches the point, where they were asked for.
         reshaped: a larger region of another V, in three states and more, where it was asked for.
         homogeneous: weights with which the field is homogeneous, where that shows that every start reaches the point,
@@ -263,10 +260,8 @@ class Reach(ShortRepr):
     near: SublevelRegion | None = None
     region: SublevelRegion | None = None
     rate: DecayRate | None = None
-    rate_domain: Domain | None = None
     region_rate: RegionRate | None = None
     gain: DisturbanceGain | None = None
-    gain_domain: Domain | None = None
     in_finite_time: bool = False
     homogeneous: Homogeneity | None = None
     reshaped: ReshapedRegion | None = field(default=None, hash=False)

@@ -136,7 +136,7 @@ def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
     if system.waves and len(system.written) == 1:
         return _of_enclosed(system)
     if system.others:
-        worst = worst_turn(system)
+        worst = _worst_turn(system)
         if worst is None or not worst.sign or (system.waves and worst.sign > 0):
             return None  # what only encloses the field may turn out where the field does not
         return _by_turn(axes_frame(system), UNWEIGHTED, worst)
@@ -224,7 +224,7 @@ def decide_fan_of_leading_terms(fan: TangentFan) -> LeadingTerms | None:
         if any(m.direction >= 0 for m in motions):
             return None
         return LeadingTerms(Translation.ASYMPTOTICALLY_STABLE, fan.frame, fan.weights, motions, None)
-    growth = turn_growth(fan)
+    growth = turn_growth([fan])
     return None if growth is None or not growth.sign else _by_turn(fan.frame, fan.weights, growth)
 
 
@@ -388,33 +388,21 @@ class TurnGrowth:
         return f"{turn} multiplies small distances by a factor {factor}"
 
 
-def turn_growth(fan: TangentFan) -> TurnGrowth | None:
-    """The growth of a full turn; None where not all cones are turned through in one sense."""
-    senses = {_sense(cone) for cone in fan.cones}
+def turn_growth(fans: Sequence[TangentFan]) -> TurnGrowth | None:
+    """The growth of a full turn, the largest of several fields that may act; None where not all turn in one sense."""
+    cones = list(_common_cones(fans))
+    senses = {_sense(cone) for members in cones for cone in members}
     if len(senses) != 1 or 0 in senses:
         return None
-    sense = senses.pop()
-    total, whole = arb(0), (Fraction(0), Fraction(1))
+    sense, total, found = senses.pop(), arb(0), 0
     for bits in PRECISIONS:
         with ctx.workprec(bits):
-            total = sum((_integral_between(growth_on_chord(cone, sense), *whole) for cone in fan.cones), arb(0))
-            if total > 0 or total < 0:
+            total = sum((_largest_growth(members, sense) for members in cones), arb(0))
+            found = 1 if total > 0 else -1 if total < 0 else 0
+            if found:
                 break
-    return growth_of_logarithm(total, sense)
-
-
-def growth_of_logarithm(total: arb, sense: int) -> TurnGrowth:
-    """The turn whose factor has an enclosed logarithm."""
-    found = 1 if total > 0 else -1 if total < 0 else 0
-    factor = total.exp()
-    return TurnGrowth(sense, factor.lower().str(8, radius=False), factor.upper().str(8, radius=False), found)
-
-
-def _sense(cone: TangentCone) -> int:
-    """The sense in which the field turns; read off at both rays and inside, where it is known to keep its sign."""
-    across = turning(cone.leading)[0]
-    signs = {sign(across(ray)) for ray in (cone.start, cone.inner, cone.end)}
-    return signs.pop() if len(signs) == 1 else 0
+    low, high = (end.str(8, radius=False) for end in (total.exp().lower(), total.exp().upper()))
+    return TurnGrowth(sense, low, high, found, is_worst=len(fans) > 1)
 
 
 def growth_on_chord(cone: TangentCone, sense: int) -> Callable[[acb], acb]:
@@ -438,25 +426,17 @@ def _on_chord(form: Polynomial, cone: TangentCone) -> acb_poly:
 
 Rate: TypeAlias = Callable[[acb], acb]
 
-PRECISION = 128  # bits of all balls
 EVALUATIONS = 10**6  # of an integrand: forms of high degree take a tenth of them
 WIDTH = Fraction(1, 2**40)  # of the pieces around roots
 
 
-def worst_turn(system: SwitchedSystem) -> TurnGrowth | None:
+def _worst_turn(system: SwitchedSystem) -> TurnGrowth | None:
     """The worst turn about the checked point; None where not all fields turn in one sense without radial directions."""
     fans = [build_tangent_fan(member) for member in system.members]
     known = [fan for fan in fans if fan is not None]
     if len(known) < len(fans) or len({fan.degree for fan in known}) > 1 or any(map(_is_touched, known)):
         return None
-    cones = list(_common_cones(known))
-    senses = {_strict_sense(cone) for members in cones for cone in members}
-    if len(senses) != 1 or 0 in senses:
-        return None
-    sense = senses.pop()
-    with ctx.workprec(PRECISION):
-        total = sum((_largest_growth(members, sense) for members in cones), arb(0))
-        return replace(growth_of_logarithm(total, sense), is_worst=True)
+    return turn_growth(known)
 
 
 def _is_touched(fan: TangentFan) -> bool:
@@ -475,7 +455,7 @@ def _common_cones(fans: Sequence[TangentFan]) -> Iterator[tuple[TangentCone, ...
         yield tuple(replace(cone, start=start, end=end) for cone in known)
 
 
-def _strict_sense(cone: TangentCone) -> int:
+def _sense(cone: TangentCone) -> int:
     """The strict sense in which a field turns on a whole closed cone; 0 where it has none."""
     across = turning(cone.leading)[0]
     ends = {across(cone.start).sign(), across(cone.end).sign()}

@@ -47,6 +47,7 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
 from nonsmooth.proofs.kernel.search import Functions, moved_to
 from nonsmooth.proofs.kernel.second_function import with_projected
 from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.proofs.kernel.written import roundings
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import Domain, plane_cells
 from nonsmooth.proofs.systems.energies import falling_energies
@@ -77,7 +78,7 @@ LEAST_MARGIN = 2.0**-24  # below that nothing is proposed: floats could not tell
 CLEAR_MARGIN = 2.0**-9  # of a quadratic form: where it is less, as beside relays, a richer V falls faster
 NEGLIGIBLE = (2.0**-2, 2.0**-4, 2.0**-6)  # of the largest coefficient: what is left out, at first more
 
-Coefficients = tuple[Fraction, ...]
+Coefficients = list[Fraction]
 
 
 def in_time(cells: Sequence[FieldCell], *, grows: bool) -> tuple[FieldCell, ...]:
@@ -322,13 +323,12 @@ def propose(rows: Floats, least: float = LEAST_MARGIN) -> Iterator[Coefficients]
     widest = _kept_margin(rows, list(range(rows.shape[1])), least)
     if widest is None:
         return
-    seen: set[Coefficients] = set()
+    seen: list[Coefficients] = []
     for chosen in (*(_pruned(rows, widest, share) for share in NEGLIGIBLE), widest):
-        scaled = [] if chosen is None else [chosen / np.abs(chosen).max()]
-        served = (own for c in scaled for own in _rounded(c) if np.all(rows @ np.array(own, dtype=float) > 0))
-        rounded = next(served, None)
+        proposed = () if chosen is None else roundings(chosen, DENOMINATORS)
+        rounded = next((own for own in proposed if np.all(rows @ np.array(own, dtype=float) > 0)), None)
         if rounded is not None and rounded not in seen:
-            seen.add(rounded)
+            seen.append(rounded)
             yield rounded
 
 
@@ -358,12 +358,6 @@ def _kept_margin(rows: Floats, kept: Sequence[int], least: float = LEAST_MARGIN)
     coefficients = np.zeros(rows.shape[1])
     coefficients[list(kept)] = found[:-1]
     return coefficients
-
-
-def _rounded(scaled: Floats) -> Iterator[Coefficients]:
-    """Coefficients with each denominator."""
-    for denominator in DENOMINATORS:
-        yield tuple(Fraction(float(c)).limit_denominator(denominator) for c in scaled)
 
 
 # ---- a V that does not increase --------------------------------------------------------------------

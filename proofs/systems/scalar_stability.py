@@ -66,16 +66,16 @@ def line_reach(scene: SwitchedSystem, half: Fraction) -> Reach:
     for (domain, farthest), decay in product((*on, (Domain(scene.field(half)), half)), DecayKind):
         power = max(order - 1, 1) if decay is DecayKind.ALGEBRAIC else 1
         for kappa in rates_below(slowest(scene, farthest, decay, power)):
-            rate = DecayRate(decay, kappa, _distance_text(name, power))
+            rate = DecayRate(decay, kappa, domain, _distance_text(name, power))
             level = None if domain.radius is None else half
-            reach = replace(everywhere, rate=rate, rate_domain=domain)
+            reach = replace(everywhere, rate=rate)
             stated: Record = {"rate": rate.record, "level": None}
             if decay is not DecayKind.ALGEBRAIC:
-                gain = DisturbanceGain(Fraction(1), rate, level, everywhere=level is None)
-                reach = replace(reach, gain=gain, gain_domain=domain)
+                gain = DisturbanceGain(Fraction(1), rate, domain, level)
+                reach = replace(reach, gain=gain)
                 stated |= {"gain": "1", "level": None if level is None else str(level)}
             with suppress(BeyondReachError, NotShownError):
-                search.entry(subject, "lyapunov", distance_hypotheses(system, domain, rate) | stated)
+                search.entry(subject, "lyapunov", distance_hypotheses(system, rate) | stated)
                 return reach
     return everywhere
 
@@ -86,13 +86,13 @@ def _distance_text(state: str, power: int) -> str:
     return distance if power == 1 else f"{distance}**{power}"
 
 
-def distance_hypotheses(scene: SwitchedSystem, domain: Domain, rate: DecayRate) -> dict[str, Any]:
+def distance_hypotheses(scene: SwitchedSystem, rate: DecayRate) -> dict[str, Any]:
     """Of theorem ``lyapunov``, with the power of the distance from the point of a rate.
 
     Raises:
         BeyondReachError: for too many cells.
     """
-    cells = stated_cells(scene, domain.radius, surfaces_of(scene, parse_piecewise(rate.function, scene.states)))
+    cells = stated_cells(scene, rate.domain.radius, surfaces_of(scene, parse_piecewise(rate.function, scene.states)))
     return stability_hypotheses(cells.record, rate.function, ASYMPTOTICALLY_STABLE)
 
 

@@ -14,7 +14,6 @@ rounding broke is tried again with longer fractions.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -22,12 +21,14 @@ from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
+from flint import fmpq
 
 from nonsmooth.analysis.cells.polygon import Point, clipped_by
 from nonsmooth.analysis.cells.region import cone_region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField
-from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.proofs.inequalities.forms import directions
+from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks
+from nonsmooth.proofs.sums_of_squares.conic_program import Problem, solve
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain
 from nonsmooth.proofs.systems.findings import PlaneFunction
@@ -39,16 +40,19 @@ from nonsmooth.proofs.systems.lyapunov_search import (
     square_cells,
 )
 from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import cross, plus, same_direction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
-from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, Terms, float_slopes
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Proposal: TypeAlias = tuple[Floats, Floats]  # values on rays, and mixed ones
 
 DENOMINATORS = (1 << 6, 1 << 12, 1 << 24)  # of the rounded values, tried in turn
+SS, ST, TT = (2, 0), (1, 1), (0, 2)  # powers of the coordinates in two rays
+MIXED = fmpq(8)  # mixed values at most, over those on rays
 HALVINGS = (0, 1, 2, 3)  # of each cell's cone, tried in turn: more pieces bend more
 
 
@@ -140,48 +144,32 @@ def _halved(start: Point, end: Point, times: int) -> list[tuple[Point, Point]]:
 def solve_piecewise_quadratic(rays: Sequence[Point], cones: Sequence[LinearCone]) -> Proposal | None:
     """Values on unit rays and mixed values, by a semidefinite program; None where there are none, or beyond floats.
 
-    Maximizes the margin e in ``G >= e I + p X`` and ``-(B^T G + G B) >= e I + q X`` with ``p, q >= 0`` and
-    ``X = [[0, 1], [1, 0]]``.  How fast a field is does not matter to the sign of a rate, so each is scaled to size one.
+    Beside the guard ``s t`` of each cone, V and -V' are sums of squares.  How fast a field is does not matter to the
+    sign of a rate, so each is scaled to size one.
     """
-    flows = np.array([_scaled_flow(rays, cone) for cone in cones])
-    if not are_finite(flows):
+    flows = [_scaled_flow(rays, cone) for cone in cones]
+    if not are_finite(np.array(flows)):
         return None
     ends = tuple((cone.start, cone.end) for cone in cones)
-    return _solve(len(rays), ends, flows.tobytes())
+    return _solve(len(rays), ends, tuple(tuple(map(as_fmpq, map(Fraction, flow.ravel().tolist()))) for flow in flows))
 
 
 @lru_cache(maxsize=64)
-def _solve(count: int, ends: tuple[tuple[int, ...], ...], flows: bytes) -> Proposal | None:
+def _solve(count: int, ends: tuple[tuple[int, int], ...], flows: tuple[tuple[fmpq, ...], ...]) -> Proposal | None:
     """The same of ``count`` rays; once, as the linear parts are those of every square."""
-    load_cvxpy()
-    import cvxpy as cp
-    from cvxpy.atoms.affine.binary_operators import multiply
-    from cvxpy.atoms.affine.vstack import vstack
-
-    on_rays, mixed, margin = cp.Variable(count), cp.Variable(len(ends)), cp.Variable()
-    weights = cp.Variable((2, len(ends)), nonneg=True)
-    first, second = (on_rays[list(numbers)] for numbers in zip(*ends, strict=True))
-    (b11, b12), (b21, b22) = np.frombuffer(flows).reshape(-1, 2, 2).transpose(1, 2, 0)
-    fall = (
-        -2 * (multiply(b11, first) + multiply(b21, mixed)),
-        -multiply(b12, first) - multiply(b11 + b22, mixed) - multiply(b21, second),
-        -2 * (multiply(b12, mixed) + multiply(b22, second)),
-    )
-    constraints = [on_rays <= 1]
-    for weight, (corner, side, other) in zip(weights, ((first, mixed, second), fall), strict=True):
-        # [[a, b], [b, c]] >= e I says |(2 b, a - c)| <= a + c - 2 e: all cones at once
-        apart = vstack([2 * (side - weight), corner - other])
-        constraints.append(cp.SOC(corner + other - 2 * margin, apart))
-    problem = cp.Problem(cp.Maximize(margin), constraints)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # an inaccurate solution is a proposal like any other
-            problem.solve(solver=cp.CLARABEL)
-    except cp.SolverError:
-        return None
-    if margin.value is None or not margin.value > 0:
-        return None
-    return np.asarray(on_rays.value), np.asarray(mixed.value)
+    problems: list[Problem] = []
+    for mixed, ((first, second), (b11, b12, b21, b22)) in enumerate(zip(ends, flows, strict=True), count):
+        positive: dict[int, Terms] = {first: {SS: fmpq(1)}, mixed: {ST: 2 * MIXED}, second: {TT: fmpq(1)}}
+        falls: dict[int, Terms] = {
+            first: {SS: -2 * b11, ST: -2 * b12},
+            mixed: {SS: -2 * MIXED * b21, ST: -2 * MIXED * (b11 + b22), TT: -2 * MIXED * b12},
+            second: {ST: -2 * b21, TT: -2 * b22},
+        }
+        for slopes in (positive, falls):
+            condition = Condition({}, slopes, ({ST: fmpq(1)},), (), len(ST))
+            problems.append((condition, build_blocks(condition)))
+    found = solve(problems, count + len(ends), inner=0.0, bounded=True)
+    return None if found is None else (found.parameters[:count], found.parameters[count:] * float(MIXED))
 
 
 @BEYOND_FLOATS

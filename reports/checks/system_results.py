@@ -360,7 +360,7 @@ def system_answers(result: StabilityResult) -> Iterator[SystemAnswer]:
         yield _from_where(result)
         yield _how_fast(result)
         if result.reach.gain is not None:
-            yield SystemAnswer("disturbed", "bounded", gain_words(result.reach, result.scene.states))
+            yield SystemAnswer("disturbed", "bounded", gain_words(result.reach.gain, result.scene.states))
     if verdict is not Translation.UNDECIDED:
         yield SystemAnswer("proved by", str(result.method), _proof_words(result))
     tried = result.given
@@ -394,7 +394,7 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
 def _how_fast(result: StabilityResult) -> SystemAnswer:
     """The rate at which solutions come to an asymptotically stable point."""
     question, reach, states = "how fast", result.reach, result.scene.states
-    farther = f"; {region_rate_words(reach, states)}" if reach.region_rate is not None else ""
+    farther = f"; {region_rate_words(reach.region_rate, states)}" if reach.region_rate is not None else ""
     rate = "" if reach.rate is None else f"{rate_words(reach, states)}{farther}"
     if reach.homogeneous is not None and reach.homogeneous.arrives:
         if reach.arrival is not None:

@@ -311,9 +311,11 @@ def lyapunov_section(subject: SystemSubject) -> Section:
     if reach.rate is not None:
         blocks.append(paragraph("Rate: {}.", rate_words(reach, states)))
     if reach.region_rate is not None:
-        blocks.append(paragraph("Rate farther out: {}.", region_rate_words(reach, states)))
+        blocks.append(paragraph("Rate farther out: {}.", region_rate_words(reach.region_rate, states)))
     if reach.gain is not None:
-        blocks.append(paragraph("With a disturbance {}: {}.", disturbance_letter(states), gain_words(reach, states)))
+        blocks.append(
+            paragraph("With a disturbance {}: {}.", disturbance_letter(states), gain_words(reach.gain, states))
+        )
     return Section("A Lyapunov function", tuple(blocks))
 
 

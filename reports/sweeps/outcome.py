@@ -279,9 +279,9 @@ def system_outcome(base: Base, paths: Sequence[Path], entries: Sequence[Entry]) 
 def _numbers(result: StabilityResult) -> Record:
     found: Record = {}
     reach = result.reach
-    if reach.rate is not None and reach.rate_domain is not None and reach.rate.decay in RATES:
+    if reach.rate is not None and reach.rate.decay in RATES:
         found[RATES[reach.rate.decay]] = reach.rate.kappa
-        found["rate_within"] = reach.rate_domain.radius
+        found["rate_within"] = reach.rate.domain.radius
     if reach.region is not None:
         found |= {"level": reach.region.level, "within": reach.region.radius}
     intervals = (fact.value for fact in result.deciding.facts if fact.key == "region" and fact.value)

@@ -149,12 +149,11 @@ def test_a_corner_at_which_a_disturbance_may_hold_a_solution_counts() -> None:
 def test_rates_of_forms_hold_on_the_plane(rhs: tuple[str, str], lyapunov: str) -> None:
     """V' is at most ``-kappa``, or ``-kappa V``, far out and near the point; the gain holds on the checked square."""
     result = checked(rhs, lyapunov)
-    rate, gain = result.reach.rate, result.reach.gain_domain
-    assert result.reach.rate_domain is not None
-    assert result.reach.rate_domain.radius is None
-    assert gain is not None
-    assert gain.radius == result.scene.check.radius
+    rate, gain = result.reach.rate, result.reach.gain
     assert rate is not None
+    assert rate.domain.radius is None
+    assert gain is not None
+    assert gain.domain.radius == result.scene.check.radius
     x, y = FAR.T
     step = 1e-7 * np.hypot(x, y)
     f, g = (value(text, x=x, y=y) for text in rhs)
@@ -164,14 +163,16 @@ def test_rates_of_forms_hold_on_the_plane(rhs: tuple[str, str], lyapunov: str) -
     assert (rise <= -float(rate.kappa) * size * (1 - 1e-5)).all()
     claims = certificate_of(result)["statement"]["claims"]
     assert any(own.get("rate", {}).get("within", "") is None for own in claims)
-    assert any(own.get("gain", {}).get("within") == str(gain.radius) for own in claims)
+    assert any(own.get("gain", {}).get("within") == str(gain.domain.radius) for own in claims)
 
 
 def test_a_quadratic_v_of_relays_has_a_rate_on_the_square() -> None:
     """V' has another degree than V: far out V falls more slowly than ``-kappa V``."""
     reach = checked(*SYSTEMS[-3]).reach
     assert reach.everywhere
-    assert reach.rate_domain == reach.gain_domain
+    assert reach.rate is not None
+    assert reach.gain is not None
+    assert reach.rate.domain == reach.gain.domain
     assert reach.near is not None
     assert "every start with V < " in rate_words(reach, ("x", "y"))
 
@@ -181,7 +182,7 @@ def test_three_states() -> None:
     result = decide_system(built(["-x + y - x**3", "-x - y", "-z - sign(z)"]))
     gain, half = result.reach.gain, float(result.scene.check.radius)
     assert gain is not None
-    assert result.reach.gain_domain == result.reach.rate_domain
+    assert gain.domain == gain.rate.domain
     assert gain.largest is not None
     potential = result.function.text
     corners = np.array([[x, y, z] for x in (-half, half) for y in (-half, half) for z in (-half, half)])
@@ -221,7 +222,8 @@ def test_one_state(rhs: str) -> None:
     assert reach.rate.decay is decay
     assert 0.7 * largest < float(reach.rate.kappa) <= largest
     assert rate_words(reach, ("x",)).startswith("V = abs(x): ")
-    assert ("every start with V < " in gain_words(reach, ("x",))) is not everywhere
+    assert reach.gain is not None
+    assert ("every start with V < " in gain_words(reach.gain, ("x",))) is not everywhere
     claims = certificate_of(result)["statement"]["claims"]
     assert ({"attracts": "everywhere"} in claims) is everywhere
     assert any(own.get("gain", {}).get("gamma") == "1" for own in claims)
@@ -263,13 +265,11 @@ def test_a_v_of_pieces_has_a_rate_on_the_plane() -> None:
     assert result.function is not None
     assert len(result.function.pieces) > 1
     assert reach.rate is not None
-    assert reach.rate_domain is not None
-    assert reach.rate_domain.radius is None
+    assert reach.rate.domain.radius is None
     slowest = 0.2  # of V along solutions: twice the damping ratio at the least
     assert 0.02 < float(reach.rate.kappa) <= slowest
     assert reach.gain is not None
-    assert reach.gain_domain is not None
-    assert reach.gain_domain.radius == result.scene.check.radius
+    assert reach.gain.domain.radius == result.scene.check.radius
 
 
 SLOW = {  # the largest kappa in V' <= -kappa V**2 near the point, and whether it holds everywhere
@@ -295,8 +295,7 @@ def test_rates_of_higher_order(rhs: tuple[str, ...]) -> None:
     assert reach.rate is not None
     assert reach.rate.decay is DecayKind.ALGEBRAIC
     assert 0.5 * largest < float(reach.rate.kappa) <= largest
-    assert reach.rate_domain is not None
-    assert (reach.rate_domain.radius is None) is everywhere
+    assert (reach.rate.domain.radius is None) is everywhere
     assert reach.gain is None
     assert "V0/(1 + " in rate_words(reach, names)
     claims = certificate_of(result)["statement"]["claims"]
@@ -398,7 +397,9 @@ def test_surfaces_that_meet_off_the_point_have_no_gain() -> None:
 
 def test_a_disturbance_has_a_letter_that_no_state_has() -> None:
     result = decide_system(built(("-2*d + w", "-w - sign(w)"), states=("d", "w")))
-    assert gain_words(result.reach, ["d", "w"]).startswith("with x' in F + u: V' <= -4 V + 23/16 abs(u) on abs(d), abs")
-    assert "where abs(u) <= delta" in gain_words(result.reach, ["d", "w"])
+    assert result.reach.gain is not None
+    words = gain_words(result.reach.gain, ["d", "w"])
+    assert words.startswith("with x' in F + u: V' <= -4 V + 23/16 abs(u) on abs(d), abs")
+    assert "where abs(u) <= delta" in words
     lines = describe(certificate_of(result)["statement"])
     assert any("with x' in F + u: V' <= -4 V + 23/16 |u| on abs(d)" in line for line in lines)

@@ -263,13 +263,12 @@ def test_a_region_of_v_that_bends_reaches_beyond_its_square(load: Load) -> None:
 def test_an_irrational_half_width_has_region_and_rate(load: Load) -> None:
     """On a square that is a little smaller, which is named: certificates hold no roots."""
     result = decide_system(load("-x - x**3", "-y", lyapunov='"x**2 + y**2"', radius='"sqrt(2)/3"'))
-    region, rate, domain = result.reach.region, result.reach.rate, result.reach.rate_domain
+    region, rate = result.reach.region, result.reach.rate
     assert isinstance(region, SublevelRegion)
     assert rate is not None
-    assert domain is not None
-    assert domain.radius is not None
+    assert rate.domain.radius is not None
     assert Fraction(2, 9) * Fraction(2046, 2048) < region.level < Fraction(2, 9)
-    assert region.radius == domain.radius < result.scene.check.radius
+    assert region.radius == rate.domain.radius < result.scene.check.radius
     assert Fraction(15, 8) < rate.kappa <= 2
     claims = certificate_of(result)["statement"]["claims"]
     assert {"attracts", "rate", "gain"} <= {key for claim in claims for key in claim}
@@ -295,7 +294,7 @@ def test_what_v_does_not_allow_is_not_claimed(load: Load) -> None:
 
 def test_families_too_large_for_a_formula_are_left_out(load: Load, monkeypatch: pytest.MonkeyPatch) -> None:
     """Six lines make a family of 68 functions, and a formula has at most sixty terms: on one square as on two."""
-    monkeypatch.setattr("nonsmooth.proofs.kernel_strategies.WEAK_SCALES", (Fraction(1),))
+    monkeypatch.setattr("nonsmooth.proofs.many_states.weak_functions.SHARES", (Fraction(1),))
     system = load(
         "y*(2 + sign(x + y) - sign(x + 2*y) + sign(x - y))", "-x*(3 + sign(x - 2*y) - sign(2*x + y)) + y*Abs(x)"
     )
