@@ -371,6 +371,41 @@ def test_a_body_that_drifts_slowly_takes_long_steps(tmp_path: Path) -> None:
     assert found.poses[0] == pytest.approx(end.state, abs=1e-4)
 
 
+# Of a grid of 3 by 4 in millimetres without one wheel: places, and headings in degrees.
+LIFTED = (
+    (-150, -100, 37.0),
+    (-50, -100, 65.5),
+    (150, -100, 142.0),
+    (-150, 0, 5.7),
+    (-50, 0, 16.1),
+    (50, 0, 162.3),
+    (150, 0, 174.1),
+    (-150, 100, -29.1),
+    (-50, 100, -58.2),
+    (50, 100, -119.2),
+    (150, 100, -150.1),
+)
+
+
+def test_bodies_that_turn_on_at_rest_end_where_their_paths_do(tmp_path: Path) -> None:
+    """They turn by a tenth of a degree in a second, and one to where another wheel carries it; its map ended before."""
+    wheels = "".join(f"[[wheel]]\nposition = [{x}, {y}]\nheading = {own}\nspeed = 100\n" for x, y, own in LIFTED)
+    file = tmp_path / "lifted.toml"
+    file.write_text(
+        'units = { length = "mm", angle = "deg", speed = "mm/s" }\nfriction = { mu_roll = 1, mu_side = 0.5 }\n'
+        'contact = { rule = "ellipse" }\nbody = { shape = "rectangle", width = 216.1, height = 191.8 }\n' + wheels
+    )
+    scene = load_scene(file)
+    starts = np.array([[44.6, 20, -0.93], [-31.4, 29.3, 0.9]])
+    found = ManyPaths(scene, smooth_rule_of(scene)).follow(starts)
+    assert found.by(BodyEnd.REST).all()
+    path = BodyPath(contacts_under(smooth_rule_of(scene), scene), scene)
+    for start, pose in zip(starts.tolist(), found.poses, strict=True):
+        end = path.follow(start, found.until).end
+        assert np.abs(np.subtract(end.state[:2], pose[:2])).max() < 0.1  # mm; 13 where they began to turn
+        assert abs(end.state[2] - pose[2]) < 0.005  # 0.04
+
+
 # Wheels that slip easily across: a body slides along layers of some thousandths of the wheels' spacing.
 STIFF = (
     '[grid]\nrows = {rows}\ncolumns = {columns}\n[field]\nkind = "radial"\nspeed = "unit"\n'
