@@ -274,3 +274,12 @@ def test_a_start_whose_velocity_has_no_square_in_floats_is_followed(capsys: pyte
     """It was a division by zero."""
     assert run(app, ["simulate", "flower", "--from", "1e-300,1e-300"]) == 0
     assert "ends at the checked point" in capsys.readouterr().out
+
+
+def test_paths_of_gains_whose_powers_are_beyond_floats(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """NumPy warned of overflows, and a map ended in "OverflowError: Numerical result out of range"."""
+    file = written(tmp_path, system("-x/8 - y*(3 - sign(x*y))/2", "x*(3 + sign(x*y))/2 - 1e300*y"))
+    assert run(app, ["simulate", file, "--from", "0.1,0.2"]) == 0
+    assert "ends 0.0779 from the checked point" in capsys.readouterr().out  # exp(-1/4)/10: y rests at once
+    assert run(app, ["simulate", file, "--grid", "3"]) == 0
+    assert "not followed to the end" in capsys.readouterr().out
