@@ -14,8 +14,8 @@ a path would go to and fro as well, and drift by the mean of the motions on both
 a step after which the motion has turned back is taken again, half as long, unless the mean hardly moves, down to where
 it is told from a jump.
 
-A path ends too where a body's own motion has died out, where it tips and where no wheel is left under it.  Nothing is
-proved.
+A path ends too where a body's own motion has died out, where it tips, where no wheel is left under it, and after much
+work: of last times far beyond the usual one.  Nothing is proved.
 """
 
 from __future__ import annotations
@@ -58,6 +58,7 @@ LONGER = 4.0  # the next leap, and shorter where mean rates have changed over th
 STEADY = 0.1  # of the mean rates: how much their directions may change
 CHATTER = 6.0  # shortest steps of the fastest wheel: how far a pose at rest may go to and fro; farther, it circles
 BEYOND = 0.05  # of a step: how far beyond an edge it ends that comes to it
+MORE_WINDOWS = 1_000  # than the shortest steps take to the usual last time: after them paths are given up
 CROSSINGS = 8.0  # of the array at the fastest wheel's speed: the last time unless one is given
 
 OnStep = Callable[[int, int, str], None]  # paths that have ended, paths in all, and up to when all are followed
@@ -71,6 +72,7 @@ class BodyEnd(StrEnum):
     LEAVES = "no wheel is left under the body"
     TIME = "still moving at the last time"
     UNKNOWN = "no motion was found"
+    LOST = "not followed to the end"
 
 
 ENDS = tuple(BodyEnd)
@@ -176,13 +178,16 @@ class ManyPaths:
         last = self.last_time() if until is None else until
         longest = min(STEP * self.spacing / (self._fastest or 1.0), last / WINDOW)
         state, field = _State(starts, longest), ManyRates(self._motions(len(starts)), self._outline, starts)
-        while len(state.going):
+        windows = MORE_WINDOWS + math.ceil(min(last, self.last_time()) * 2**HALVINGS / (WINDOW * longest or 1.0))
+        while len(state.going) and windows:
+            windows -= 1
             self._window(state, field, last)
             self._leap(state, field, *self._judge(state, last), last)
             if report is not None:
                 going = state.going
                 reached = float(state.times[going].min()) if len(going) else last
                 report(len(starts) - len(going), len(starts), f"t = {reached:.3g} of {last:.3g}")
+        state.end(state.going, BodyEnd.LOST)
         slow = (
             (state.reasons == ENDS.index(BodyEnd.TIME))
             & ~np.isnan(state.rested)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.bodies import many_paths
 from nonsmooth.analysis.bodies.many_paths import (
     ENDS,
     BodyEnd,
@@ -435,6 +436,22 @@ def test_bodies_that_slide_along_narrow_layers_end_where_paths_by_events_do(
     assert (end.reason, ENDS[found.reasons[0]]) == (EndReason.REST, BodyEnd.REST)
     assert np.abs(np.subtract(end.state[:2], found.poses[0, :2])).max() < PLACE_ERROR
     assert abs(end.state[2] - found.poses[0, 2]) < STIFF_HEADING_ERROR
+
+
+def test_paths_are_given_up_after_much_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A last time that is never reached was waited for without end; what ends before is told all the same."""
+    monkeypatch.setattr(many_paths, "MORE_WINDOWS", 5)
+    monkeypatch.setattr(many_paths, "CROSSINGS", 0.1)
+    file = tmp_path / "turns.toml"
+    file.write_text(
+        '[grid]\nrows = 3\ncolumns = 4\n[field]\nkind = "spiral"\nangle = "pi/3"\nspeed = "unit"\n'
+        '[body]\nshape = "rectangle"\nwidth = 3\nheight = "2.2"\n[friction]\nmu_roll = 1\nmu_side = 1\n'
+        '[contact]\nrule = "ellipse"\n'
+    )
+    scene = load_scene(file)
+    found = ManyPaths(scene, smooth_rule_of(scene)).follow(np.array([[0.1, 0.05, 0.0], [9.0, 9.0, 0.0]]), 1e12)
+    assert [ENDS[reason] for reason in found.reasons] == [BodyEnd.LOST, BodyEnd.LEAVES]
+    assert 0 < found.times[0] < 1e3
 
 
 def test_a_body_that_does_not_move_rests_at_once(tmp_path: Path) -> None:
