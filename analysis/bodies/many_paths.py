@@ -1,19 +1,21 @@
 """Where a body ends from many starts, sampled: all paths of a body with an outline at once, in floats.
 
-The steps are explicit (Heun's), of a length of their own for each path.  At an edge a path chatters from one contact
-set to the other: the discrete form of Filippov's sliding, right to the order of a step.  Means over windows of steps
-smooth it out: where the mean hardly moves, steps are halved.  A path whose mean still hardly moves with the shortest
-steps rests (of a rule that keeps rows, the place: the steps drift to a heading there, at a rate that the rule leaves
-open), unless it goes to and fro by many steps: then it circles, and is followed to the last time.  One that moves on
-slowly, and within a window no farther than its mean does, drifts smoothly, and takes long steps again.
+The steps are explicit (Heun's), of a length of their own for each path.  A step that comes to an edge
+ends just beyond it.  Where the motion there leads back a path chatters from one contact set to the other: the discrete
+form of Filippov's sliding, right to the order of a step.  Means over windows of steps smooth it out: where the mean
+hardly moves, steps are halved.  A path whose mean still hardly moves with the shortest steps rests (of a rule that
+keeps rows, the place: the steps drift to a heading there, at a rate that the rule leaves open), unless it goes to and
+fro by many steps: then it circles, and is followed to the last time.  One that moves on slowly, and within a window no
+farther than its mean does, drifts smoothly, and takes long steps again.  One that rests but drifts smoothly on leaps
+ahead by its mean rates, to the last time or to where it moves faster: it may turn to where other wheels carry it.
 
 On the same wheels motions of a rule without cells change smoothly, yet some within a layer narrower than a step.  There
 a path would go to and fro as well, and drift by the mean of the motions on both sides, which is not the one within.  So
 a step after which the motion has turned back is taken again, half as long, unless the mean hardly moves, down to where
 it is told from a jump.
 
-A path ends too where a body's own motion has died out, where it tips and where no wheel is left under it.  Nothing is
-proved.
+A path ends too where a body's own motion has died out, where it tips, where no wheel is left under it, and after much
+work: of last times far beyond the usual one.  Nothing is proved.
 """
 
 from __future__ import annotations
@@ -50,7 +52,13 @@ RESTS = 5e-3  # the same with the shortest steps, over a few windows: the body r
 WINDOWS = 4  # in a row for rest
 DRIFTS = 2.0  # of how far its mean moves: a body that goes no farther within a window moves smoothly
 DRIFT_STEPS = 4  # of the longest steps: what slow and smooth bodies take
+LEAPS = 60  # of a path that all but rests, at most
+FIRST_LEAP = 8  # windows
+LONGER = 4.0  # the next leap, and shorter where mean rates have changed over the last
+STEADY = 0.1  # of the mean rates: how much their directions may change
 CHATTER = 6.0  # shortest steps of the fastest wheel: how far a pose at rest may go to and fro; farther, it circles
+BEYOND = 0.05  # of a step: how far beyond an edge it ends that comes to it
+MORE_WINDOWS = 1_000  # than the shortest steps take to the usual last time: after them paths are given up
 CROSSINGS = 8.0  # of the array at the fastest wheel's speed: the last time unless one is given
 
 OnStep = Callable[[int, int, str], None]  # paths that have ended, paths in all, and up to when all are followed
@@ -64,6 +72,7 @@ class BodyEnd(StrEnum):
     LEAVES = "no wheel is left under the body"
     TIME = "still moving at the last time"
     UNKNOWN = "no motion was found"
+    LOST = "not followed to the end"
 
 
 ENDS = tuple(BodyEnd)
@@ -113,6 +122,10 @@ class _State:
         self.slow = np.zeros(count, bool)  # in the mean, whether smoothly or not
         self.at_jump = np.zeros(count, int)  # windows in which it chatters there
         self.turned_back = np.zeros(count, bool)  # within the last window, on the same wheels
+        self.crossed = np.zeros(count, bool)  # an edge, in the last step
+        self.rested = np.full(count, np.nan)  # since when it all but rests
+        self.leaps, self.leap_times = np.zeros(count, int), np.zeros(count)  # how many, and how long the last was
+        self.leap_starts, self.leap_rates = np.zeros(count), np.zeros((count, 3))  # when, and mean rates then
         self.mean_times, self.anchor_times = np.zeros(count), np.zeros(count)
 
     @property
@@ -165,13 +178,23 @@ class ManyPaths:
         last = self.last_time() if until is None else until
         longest = min(STEP * self.spacing / (self._fastest or 1.0), last / WINDOW)
         state, field = _State(starts, longest), ManyRates(self._motions(len(starts)), self._outline, starts)
-        while len(state.going):
+        windows = MORE_WINDOWS + math.ceil(min(last, self.last_time()) * 2**HALVINGS / (WINDOW * longest or 1.0))
+        while len(state.going) and windows:
+            windows -= 1
             self._window(state, field, last)
-            self._judge(state)
+            self._leap(state, field, *self._judge(state, last), last)
             if report is not None:
                 going = state.going
                 reached = float(state.times[going].min()) if len(going) else last
                 report(len(starts) - len(going), len(starts), f"t = {reached:.3g} of {last:.3g}")
+        state.end(state.going, BodyEnd.LOST)
+        slow = (
+            (state.reasons == ENDS.index(BodyEnd.TIME))
+            & ~np.isnan(state.rested)
+            & self._keeps_near(state.extents, longest)
+        )
+        state.end(np.flatnonzero(slow), BodyEnd.REST)
+        state.times[slow] = state.rested[slow]
         over = self._numbers[state.over]
         return BodyEnds(starts, state.poses, state.times, state.reasons, over, state.turning, last)
 
@@ -212,10 +235,18 @@ class ManyPaths:
         steps = np.minimum(state.steps[paths], last - state.times[paths])
         steps = np.where(state.drifts[paths], np.minimum(steps, reach), steps)
         there = field.at(poses + steps[:, None] * rates, paths)
+        crosses = wheels != there.wheels
         usable = ~there.tips & there.known
         mean = np.where(usable[:, None], (rates + there.rates) / 2, rates)
+        comes = np.flatnonzero(crosses & ~state.crossed[paths] & ~state.slow[paths])
+        if len(comes):
+            ahead = steps[comes, None] * rates[comes]
+            shares = field.shares_to_edges(poses[comes], poses[comes] + ahead, paths[comes])
+            steps[comes] *= np.minimum(shares + BEYOND, 1.0)
+            mean[comes] = rates[comes]
+        state.crossed[paths] = crosses
         if self._has_layers:
-            back = paths[usable & (wheels == there.wheels) & self._turns_back(rates, there.rates)]
+            back = paths[usable & ~crosses & self._turns_back(rates, there.rates)]
             steps[np.isin(paths, _halve(state, back))] = 0.0
         state.poses[paths] = poses + steps[:, None] * mean
         state.times[paths] += steps
@@ -232,8 +263,12 @@ class ManyPaths:
         """Where the second of two motions is more than a right angle off the first."""
         return np.asarray((first * second) @ [1.0, 1.0, self._outline.size**2] < 0)
 
-    def _judge(self, state: _State) -> None:
-        """End what rests, and choose the next steps, by how fast the means move."""
+    def _judge(self, state: _State, last: float) -> tuple[Indices, Floats]:
+        """End what rests, and choose the next steps, by how fast the means move.
+
+        Returns:
+            Those which all but rest and drift smoothly, and their mean rates.
+        """
         paths, shortest = state.going, state.longest / 2**HALVINGS
         spans = state.mean_times[paths] - state.anchor_times[paths]
         rates = (state.means[paths] - state.anchors[paths]) / spans[:, None]
@@ -241,21 +276,60 @@ class ManyPaths:
         drift = self._distance(rates) / (self._fastest or 1.0)
         short = state.steps[paths] <= shortest * 1.001
         waits = short & (drift < SLOW)
-        full = waits & (state.quiet[paths] >= WINDOWS)
+        full = waits & (state.quiet[paths] >= np.where(np.isnan(state.rested[paths]), WINDOWS, 1))
         extents, fastest = self._distance(state.extents[paths]), self._fastest or 1.0
-        rests = full & (drift < RESTS) & (extents < CHATTER * shortest * fastest)
+        rests = full & (drift < RESTS) & self._keeps_near(state.extents[paths], state.longest)
         # who goes to and fro goes farther within a window than its mean does, and needs the shortest steps
         ways = DRIFTS * drift * fastest * WINDOW * state.steps[paths]
         state.drifts[paths[full & (drift >= RESTS) & (extents <= ways)]] = True
         state.drifts[paths[(drift < RESTS) | (extents > ways)]] = False
-        state.poses[paths[rests]] = state.means[paths[rests]]
-        state.end(paths[rests], BodyEnd.REST)
+        state.rested[paths[drift >= RESTS]] = np.nan
+        is_near = drift * (last - state.times[paths]) < shortest  # who would not go a shortest step by the last time
+        still = rests & (is_near | (extents > ways) | (state.leaps[paths] >= LEAPS) | (self._turning == 0))
+        state.poses[paths[still]] = state.means[paths[still]]
+        state.end(paths[still], BodyEnd.REST)
         state.quiet[paths] = np.where(waits & ~full, state.quiet[paths] + 1, 0)
         again = ~waits | full
         state.anchors[paths[again]] = state.means[paths[again]]
         state.anchor_times[paths[again]] = state.mean_times[paths[again]]
         state.quiet[paths[again & short]] = 1
         self._choose_steps(state, paths, drift)
+        return paths[rests & ~still], rates[rests & ~still]
+
+    def _leap(self, state: _State, field: ManyRates, paths: Indices, rates: Floats, last: float) -> None:
+        """Move paths far ahead by their mean rates, to the next edge at most, as if these died out evenly.
+
+        A leap is longer than the last one where rates have kept their directions since, else shorter.
+        """
+        if not len(paths):
+            return
+        state.rested[paths] = np.where(np.isnan(state.rested[paths]), state.times[paths], state.rested[paths])
+        steady, decay = self._decay(state, paths, rates)
+        times = state.leap_times[paths] * np.where(steady, LONGER, 1 / LONGER)
+        times = np.where(state.leaps[paths] == 0, FIRST_LEAP * WINDOW * state.steps[paths], times)
+        times = np.minimum(times, last - state.times[paths])
+        state.leap_times[paths], state.leap_rates[paths], state.leap_starts[paths] = times, rates, state.times[paths]
+        # the times in which bodies would move as far at their rates of now
+        spans = np.where(decay > 0, -np.expm1(-decay * times) / np.where(decay > 0, decay, 1.0), times)
+        spans = np.minimum(spans, state.longest * self._fastest / np.maximum(self._distance(rates), 1e-300))
+        poses = state.poses[paths]
+        shares = field.shares_to_edges(poses, poses + spans[:, None] * rates, paths)
+        spans *= np.minimum(shares * (1 + BEYOND), 1.0)
+        state.poses[paths] = poses + spans[:, None] * rates
+        left = np.maximum(1 - decay * spans, np.exp(-decay * times))
+        state.times[paths] += np.where(decay > 0, -np.log(left) / np.where(decay > 0, decay, 1.0), spans)
+        state.leaps[paths] += 1
+        state.anchors[paths] = np.nan
+        state.end(paths[state.times[paths] >= last * (1 - 1e-12)], BodyEnd.TIME)
+
+    def _decay(self, state: _State, paths: Indices, rates: Floats) -> tuple[Mask, Floats]:
+        """Whether mean rates have kept their directions since the last leap, and at which rates they die out."""
+        before, spans = state.leap_rates[paths], state.times[paths] - state.leap_starts[paths]
+        weights = np.array([1.0, 1.0, self._turning**2])
+        factors = (before * rates) @ weights / np.maximum(before**2 @ weights, 1e-300)
+        steady = (factors > 0) & (self._distance(rates - factors[:, None] * before) <= STEADY * self._distance(rates))
+        decay = -np.log(np.where(steady, np.minimum(factors, 1.0), 1.0)) / np.maximum(spans, 1e-300)
+        return steady, decay
 
     def _choose_steps(self, state: _State, paths: Indices, drift: Floats) -> None:
         """Shorten and lengthen the steps of paths whose means move at these speeds, not numbers where not known yet."""
@@ -270,6 +344,10 @@ class ManyPaths:
         state.steps[slow] = np.maximum(state.steps[slow], shortest)
         state.turned_back[paths] = False
         state.at_jump[paths] = np.maximum(state.at_jump[paths] - 1, 0)
+
+    def _keeps_near(self, extents: Floats, longest: float) -> Mask:
+        """Whether poses that differ so much within a window go to and fro by no more than a body at rest may."""
+        return np.asarray(self._distance(extents) < CHATTER * longest / 2**HALVINGS * (self._fastest or 1.0))
 
     def _distance(self, differences: Floats) -> Floats:
         """Sizes of differences of poses, as lengths; of places alone under a rule that leaves headings at rest open."""
@@ -456,6 +534,17 @@ class ManyRates:
             rates[stands], known[stands] = found
         wheels = np.where(carrying, self._marks[near], 0.0).sum(axis=1)
         return Rates(rates, tips, over, np.asarray(~carrying.any(axis=1)), known, wheels)
+
+    def shares_to_edges(self, before: Floats, after: Floats, paths: Indices) -> Floats:
+        """Which share (m,) of a step between two poses (m, 3) a body moves until a wheel comes to its edge.
+
+        As if depths changed evenly over the step; 1 where no wheel comes or goes.
+        """
+        near = self._near[paths]
+        first, last = (self._outline.depths_at(self._outline.places[near], poses) for poses in (before, after))
+        changes = ((first > 0) != (last > 0)) & (near != NOBODY)
+        shares = np.where(changes, first / np.where(changes, first - last, 1.0), 1.0)
+        return np.asarray(shares.min(axis=1, initial=1.0))
 
     def _look_around(self, poses: Floats, paths: Indices) -> None:
         """Look up the wheels near those bodies that have moved far, of all paths that are asked for."""

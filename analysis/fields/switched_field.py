@@ -28,6 +28,7 @@ Mode: TypeAlias = Any  # a sign pattern or the number of a cell
 # Relative to the size of the domain: the distance within which a state counts as on a surface. Above the integrator's
 # error (1e-12), so that a path aimed at a corner is found to reach it.
 SURFACE_SLACK = 1e-10
+LARGE = 1e70  # an entry of a matrix of which floats may not hold powers of four
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +86,9 @@ class AffineVelocity(ScalarVelocity):
 
     def __init__(self, rates: Callable[..., tuple[float, ...]], matrix: Floats, offset: Floats) -> None:
         super().__init__(rates)
-        self.size = float(np.abs(np.linalg.matrix_power(matrix, 4)).sum(axis=1).max()) ** (1 / 4)
+        most = float(np.abs(matrix).max(initial=0.0))
+        scale = most if most > LARGE else 1.0
+        self.size = scale * float(np.abs(np.linalg.matrix_power(matrix / scale, 4)).sum(axis=1).max()) ** (1 / 4)
         unit = self.size or 1.0
         self.scaled = (*(matrix / unit).ravel().tolist(), *(offset / unit).tolist())
 

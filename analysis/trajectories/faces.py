@@ -27,6 +27,7 @@ from nonsmooth.analysis.fields.convex_weights import (
 )
 from nonsmooth.analysis.fields.float_code import Numbers
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, ScalarVelocity, Velocity, length
+from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, spread
 
 # ---- the motion on a face of a smooth switched field ---------------------------------------------
@@ -175,6 +176,7 @@ NEAR_END = 1e-3
 # so that the end is found tangent whatever its rounding; one whose weights were open goes on as such to a hundred: far
 # enough not to turn to and fro between both, and passed within some 1e-7 of the size.
 BECOMES_TANGENT, IS_TANGENT, CLEAR_OF_TANGENCY = 1.0, 2.0, 100.0
+FASTEST = 1e150
 WEIGHT_DOUBT = 1e-6  # outside 0 ... 1: weights are roots of differences, which err by LOOK_AHEAD
 
 
@@ -197,9 +199,14 @@ def passing_weights(field: FacedField, motion: FaceMotion, t: float, x: Floats) 
     """Weights (m, 2) of the motions that keep to the surface through a two-fold, the shortest velocity first.
 
     None where the speeds vanish to first order too, so that any weights will do.
+
+    Raises:
+        TrajectoryError: for speeds beyond 1e150.
     """
     fields = motion.fields(t, x)
     scale = largest(fields)
+    if scale > FASTEST:
+        raise TrajectoryError("required speeds of which floats hold the squares")
     changes = _changes(field, motion, t, x) if any(map(length, fields)) else np.zeros((2, 2))
     if largest(changes) * field.size <= BEND_SLACK * scale**2:
         return None

@@ -313,18 +313,24 @@ def _sum(values: object, start: Number | None = None) -> Number:
 
 METHODS = ("highs", "highs-ipm")  # simplex steps, which may go round in circles where many rows meet; interior points
 MOST_STEPS = 10_000  # of each
-TOO_MANY = 1  # status
+TOO_MANY, NOT_NUMBERS = 1, 4  # statuses
 
 
 def solve_program(costs: Any, **stated: Any) -> OptimizeResult:
     """The result of :func:`scipy.optimize.linprog`, without a solution where none is found in so many steps.
 
+    There is none either where floats do not hold the numbers.
+
     Args:
         costs: c of ``min c . x``.
         stated: constraints and bounds, as there.
     """
-    from scipy.optimize import linprog
+    from scipy.optimize import OptimizeResult, linprog
+    from scipy.sparse import issparse
 
+    tables = [costs, *(stated[name] for name in ("A_ub", "b_ub", "A_eq", "b_eq") if name in stated)]
+    if not all(np.isfinite(table.data if issparse(table) else table).all() for table in tables):
+        return OptimizeResult(x=None, status=NOT_NUMBERS, success=False)
     for method in METHODS:
         found = linprog(costs, method=method, options={"maxiter": MOST_STEPS}, **stated)
         if found.status != TOO_MANY:

@@ -102,7 +102,7 @@ def _proposed(system: SwitchedSystem, exponents: Sequence[Exponents], inside: Te
     solved = solve_inside(problems, len(exponents) + bool(inside), bounded=True)
     for denominator in DENOMINATORS if solved is not None else ():
         found = None if solved is None else round_parameters(*solved, denominator)
-        if found is None or not any(found):
+        if found is None or not any(found[: len(exponents)]):
             continue
         weight = found[-1] if inside else fmpq(1)
         if weight > 0:

@@ -43,6 +43,7 @@ AHEAD = 4  # bands that are refined at a time: those beyond one that cannot be r
 WAY = 30.0  # of the fastest points of rings, in multiples of their size, at most
 STAGES = (0.5, 7.5, 15.0, WAY)  # of the way that rings go, as long as the mesh goes as far as they do
 BITS = 26  # of coordinates
+HUGE = 2**500
 NEAR_LINE = 0.25  # of the distance of neighbours: points of a ring that are as near to a point on a line are left out
 
 Announce: TypeAlias = Callable[[str, int, int], None]  # what is done, how much of it, and of how much
@@ -103,6 +104,7 @@ class Lattice:
     Attributes:
         unit: such that the offset of every line is whole, too, and its largest slope divides it.
         lines: a, b, c of the surfaces that are lines, by their numbers: ``a X + b Y + c`` times a positive number.
+        is_huge: whether floats may not hold its numbers.
     """
 
     def __init__(self, surfaces: Sequence[Polynomial], size: float) -> None:
@@ -111,6 +113,7 @@ class Lattice:
         power = BITS - int(np.ceil(np.log2(size)))
         self.unit = Fraction(1, shared) / Fraction(2) ** power
         self.lines = {number: (a, b, int(offset / self.unit)) for number, ((a, b), offset) in forms.items()}
+        self.is_huge = max([shared, *(abs(own) for line in self.lines.values() for own in line)]) >= HUGE
 
     def ring(self, ring: Floats, every: int) -> LatticeRing:
         """A ring with the points at which it crosses lines, all on the lattice; one of some points is a corner."""
@@ -274,6 +277,8 @@ def grown_mesh(
             break
         made += more
         own = MeshBuilder(field, exact, made, effort, is_first_whole=is_first_whole) if len(made) > 1 else None
+        if own is not None and own.lattice.is_huge:
+            own = None
         if own is None or not own.refine(partial(announce, "bands of triangles")) or len(made) < count:
             break
     return None if own is None else own.built(), made[-1]

@@ -25,7 +25,7 @@ from functools import reduce
 from itertools import combinations
 from typing import Any, TypeAlias
 
-from flint import acb, acb_poly, arb, ctx
+from flint import acb, arb, ctx
 
 from nonsmooth.analysis.cells.fan import Wedge, by_angle
 from nonsmooth.analysis.cells.polygon import Point
@@ -414,14 +414,14 @@ def growth_on_chord(cone: TangentCone, sense: int) -> Callable[[acb], acb]:
     return lambda t: radial(t) * area / (across(t) * square(t))
 
 
-def _on_chord(form: Polynomial, cone: TangentCone) -> acb_poly:
-    """A form on ``(1 - t) start + t end``, with balls for coefficients."""
+def _on_chord(form: Polynomial, cone: TangentCone) -> Callable[[acb], acb]:
+    """A form on ``(1 - t) start + t end``, with balls for coefficients.
+
+    It is not expanded in powers of t: coefficients far apart in size would cancel there, near one of the rays.
+    """
     terms = in_generators(form.terms, [cone.start, cone.end])
-    share, rest = acb_poly([0, 1]), acb_poly([1, -1])
-    total = acb_poly([0])
-    for (first, second), c in terms.items():
-        total += acb_poly([acb(form.field(c).ball())]) * rest ** int(first) * share ** int(second)
-    return total
+    known = [(int(first), int(second), acb(form.field(c).ball())) for (first, second), c in terms.items()]
+    return lambda t: sum((c * (1 - t) ** first * t**second for first, second, c in known), acb(0))
 
 
 Rate: TypeAlias = Callable[[acb], acb]

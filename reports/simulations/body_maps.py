@@ -232,7 +232,8 @@ class BodyMapResult(ArrayMap):
 
     def blocks(self) -> Sequence[Block]:
         """The shares of the destinations."""
-        moving, second = self.found.by(BodyEnd.TIME), self.scene.units.after_time
+        moving = self.found.by(BodyEnd.TIME) | self.found.by(BodyEnd.LOST)
+        second = self.scene.units.after_time
         rows = [*self.first_rows(moving=bool(moving.any())), *self._tipping()]
         ended = self.found.times[~moving]
         latest = f"t = {ended.max():.6g}{second}" if len(ended) else f"none until t = {self.found.until:.6g}{second}"

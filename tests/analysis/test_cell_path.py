@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.bodies import many_paths
 from nonsmooth.analysis.bodies.many_paths import (
     ENDS,
     BodyEnd,
@@ -371,6 +372,41 @@ def test_a_body_that_drifts_slowly_takes_long_steps(tmp_path: Path) -> None:
     assert found.poses[0] == pytest.approx(end.state, abs=1e-4)
 
 
+# Of a grid of 3 by 4 in millimetres without one wheel: places, and headings in degrees.
+LIFTED = (
+    (-150, -100, 37.0),
+    (-50, -100, 65.5),
+    (150, -100, 142.0),
+    (-150, 0, 5.7),
+    (-50, 0, 16.1),
+    (50, 0, 162.3),
+    (150, 0, 174.1),
+    (-150, 100, -29.1),
+    (-50, 100, -58.2),
+    (50, 100, -119.2),
+    (150, 100, -150.1),
+)
+
+
+def test_bodies_that_turn_on_at_rest_end_where_their_paths_do(tmp_path: Path) -> None:
+    """They turn by a tenth of a degree in a second, and one to where another wheel carries it; its map ended before."""
+    wheels = "".join(f"[[wheel]]\nposition = [{x}, {y}]\nheading = {own}\nspeed = 100\n" for x, y, own in LIFTED)
+    file = tmp_path / "lifted.toml"
+    file.write_text(
+        'units = { length = "mm", angle = "deg", speed = "mm/s" }\nfriction = { mu_roll = 1, mu_side = 0.5 }\n'
+        'contact = { rule = "ellipse" }\nbody = { shape = "rectangle", width = 216.1, height = 191.8 }\n' + wheels
+    )
+    scene = load_scene(file)
+    starts = np.array([[44.6, 20, -0.93], [-31.4, 29.3, 0.9]])
+    found = ManyPaths(scene, smooth_rule_of(scene)).follow(starts)
+    assert found.by(BodyEnd.REST).all()
+    path = BodyPath(contacts_under(smooth_rule_of(scene), scene), scene)
+    for start, pose in zip(starts.tolist(), found.poses, strict=True):
+        end = path.follow(start, found.until).end
+        assert np.abs(np.subtract(end.state[:2], pose[:2])).max() < 0.1  # mm; 13 where they began to turn
+        assert abs(end.state[2] - pose[2]) < 0.005  # 0.04
+
+
 # Wheels that slip easily across: a body slides along layers of some thousandths of the wheels' spacing.
 STIFF = (
     '[grid]\nrows = {rows}\ncolumns = {columns}\n[field]\nkind = "radial"\nspeed = "unit"\n'
@@ -400,6 +436,22 @@ def test_bodies_that_slide_along_narrow_layers_end_where_paths_by_events_do(
     assert (end.reason, ENDS[found.reasons[0]]) == (EndReason.REST, BodyEnd.REST)
     assert np.abs(np.subtract(end.state[:2], found.poses[0, :2])).max() < PLACE_ERROR
     assert abs(end.state[2] - found.poses[0, 2]) < STIFF_HEADING_ERROR
+
+
+def test_paths_are_given_up_after_much_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A last time that is never reached was waited for without end; what ends before is told all the same."""
+    monkeypatch.setattr(many_paths, "MORE_WINDOWS", 5)
+    monkeypatch.setattr(many_paths, "CROSSINGS", 0.1)
+    file = tmp_path / "turns.toml"
+    file.write_text(
+        '[grid]\nrows = 3\ncolumns = 4\n[field]\nkind = "spiral"\nangle = "pi/3"\nspeed = "unit"\n'
+        '[body]\nshape = "rectangle"\nwidth = 3\nheight = "2.2"\n[friction]\nmu_roll = 1\nmu_side = 1\n'
+        '[contact]\nrule = "ellipse"\n'
+    )
+    scene = load_scene(file)
+    found = ManyPaths(scene, smooth_rule_of(scene)).follow(np.array([[0.1, 0.05, 0.0], [9.0, 9.0, 0.0]]), 1e12)
+    assert [ENDS[reason] for reason in found.reasons] == [BodyEnd.LOST, BodyEnd.LEAVES]
+    assert 0 < found.times[0] < 1e3
 
 
 def test_a_body_that_does_not_move_rests_at_once(tmp_path: Path) -> None:

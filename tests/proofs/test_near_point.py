@@ -461,6 +461,15 @@ def test_growth_of_a_linear_focus_in_closed_form(load: Load) -> None:
     assert float(found.growth.high) == pytest.approx(exact, rel=1e-6)
 
 
+def test_growth_of_a_stiff_focus_is_enclosed(load: Load) -> None:
+    """Powers of the share along a chord cancelled: a million evaluations at each precision, and no sign."""
+    found = decide_leading_terms(load("y", "-1e9*x - y"))
+    assert found is not None
+    assert isinstance(found.growth, TurnGrowth)
+    assert float(found.growth.low) == pytest.approx(np.exp(-np.pi / np.sqrt(1e9 - 0.25)), rel=1e-6)
+    assert found.growth.sign == -1
+
+
 def first_return(fields: Sequence[Callable[[float, np.ndarray], list[float]]], start: float) -> float:
     """The second crossing of x = 0 by an integrator, from (0, start)."""
     place = start

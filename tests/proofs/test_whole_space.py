@@ -16,9 +16,10 @@ from nonsmooth.proofs.checker.statements import refusal, show_evidence
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.kernel.cells import started, stated_cells
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, stability_hypotheses
+from nonsmooth.proofs.kernel.whole_space import logarithmic_functions
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from tests.oracles.floats import midpoint
-from tests.plain import decided
+from tests.plain import built, decided
 from tests.thorough import but, few
 
 # ---- Attraction of every start by a V on the whole space: against other points of rest, paths from afar, forged
@@ -180,6 +181,12 @@ def test_not_every_start_is_said_to_arrive(name: str) -> None:
     result = system(LOCAL[name]).check()
     assert result.verdict == "asymptotically stable"
     assert not result.evidence.reach.everywhere
+
+
+def test_a_sum_that_is_rounded_to_zero_is_not_proposed() -> None:
+    """Beside a logarithm of some weight it was; a report of this system ended in an ExpressionError."""
+    system = built(["y*z/3 - x", "-y - x*z", "1e6*x*y/3 - z"])
+    assert all(str(own) for pair in logarithmic_functions(system) for own in pair)
 
 
 def test_starts_far_away_arrive_in_floats() -> None:

@@ -15,9 +15,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse import coo_array
 
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
 from nonsmooth.proofs.findings import Translation
+from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
@@ -118,6 +120,21 @@ def test_numbers_beyond_floats_propose_nothing(tmp_path: Path) -> None:
     ):
         verdict = decide_system(load_system(written(tmp_path, system(f, g)))).verdict
         assert verdict is Translation.ASYMPTOTICALLY_STABLE, name
+
+
+def test_a_line_beyond_floats_bounds_no_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The mesh of a basin ended in "OverflowError: int too large to convert to float"."""
+    file = written(tmp_path, system("y", "-x - y - (Max(x - 1/4, 0) + Min(x + 1e300, 0))"))
+    assert run(app, ["check", file]) == 0
+    assert "asymptotically stable" in " ".join(capsys.readouterr().out.split())
+
+
+def test_linear_programs_beyond_floats_have_no_solution() -> None:
+    """SciPy raised a ValueError, with which `check` ended (`y, -x - y - sign(x + 1e300*y)`)."""
+    for costs, table in (([np.inf, 1.0], np.eye(2)), ([1.0, 1.0], coo_array(np.array([[np.nan, 1.0]])))):
+        found = solve_program(costs, A_ub=table, b_ub=np.ones(table.shape[0]))
+        assert (found.status == 0, found.success, found.x) == (False, False, None)
+    assert solve_program([1.0, 1.0], A_ub=coo_array(np.eye(2)), b_ub=np.ones(2)).success
 
 
 def test_a_half_width_beyond_floats_is_refused(tmp_path: Path) -> None:
@@ -257,3 +274,12 @@ def test_a_start_whose_velocity_has_no_square_in_floats_is_followed(capsys: pyte
     """It was a division by zero."""
     assert run(app, ["simulate", "flower", "--from", "1e-300,1e-300"]) == 0
     assert "ends at the checked point" in capsys.readouterr().out
+
+
+def test_paths_of_gains_whose_powers_are_beyond_floats(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """NumPy warned of overflows, and a map ended in "OverflowError: Numerical result out of range"."""
+    file = written(tmp_path, system("-x/8 - y*(3 - sign(x*y))/2", "x*(3 + sign(x*y))/2 - 1e300*y"))
+    assert run(app, ["simulate", file, "--from", "0.1,0.2"]) == 0
+    assert "ends 0.0779 from the checked point" in capsys.readouterr().out  # exp(-1/4)/10: y rests at once
+    assert run(app, ["simulate", file, "--grid", "3"]) == 0
+    assert "not followed to the end" in capsys.readouterr().out

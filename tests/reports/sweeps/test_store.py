@@ -291,10 +291,19 @@ def test_claims_part_the_work_and_lapse(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_a_long_check_keeps_its_claim(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its sign of life is renewed while it is busy; by a clock that stands where only what was renewed still counts."""
     monkeypatch.setattr(store_module, "LEASE", 0.3)
-    with closing(Store(tmp_path / "r.sqlite")) as one, closing(Store(tmp_path / "r.sqlite")) as two:
+    file = tmp_path / "r.sqlite"
+    with closing(Store(file)) as one, closing(Store(file)) as two, closing(sqlite3.connect(file)) as database:
         assert one.claim(["a"]) == {"a"}
-        time.sleep(0.7)
+        claimed = seen = time.time()
+        end = time.monotonic() + 60
+        while seen < claimed + 0.5 and time.monotonic() < end:
+            time.sleep(0.05)
+            (seen,) = database.execute("SELECT min(seen) FROM sweeps").fetchone()
+        assert seen >= claimed + 0.5
+        now = (claimed + seen) / 2 + store_module.LEASE
+        monkeypatch.setattr(time, "time", lambda: now)
         assert two.claim(["a"]) == set()
 
 
@@ -302,12 +311,12 @@ def test_a_scene_of_another_sweep_that_died_is_taken_over(tmp_path: Path, monkey
     monkeypatch.setattr(store_module, "LEASE", 0.3)
     shared = work()
     key = shared.base.key(shared.paths, ("1/2",), "answers")
+    started = time.monotonic()  # before the claim is made, however late the other sweep begins
     dead = Store(tmp_path / "r.sqlite")
     assert dead.claim([key]) == {key}
     dead._heart.stop()  # and is never heard of again
     with closing(Store(tmp_path / "r.sqlite")) as store:
         runner = Runner(shared, InProcess(shared), store)
-        started = time.monotonic()
         (outcome,) = runner.outcomes([("1/2",)], 1)
         assert outcome["position"] == "comes home"
         assert time.monotonic() - started > 0.2

@@ -467,9 +467,8 @@ def scheduler(folder: Path) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
     file = folder / "scheduler.json"
     with running("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)) as process:
         end = time.monotonic() + 60
-        while not file.exists() and time.monotonic() < end:
+        while not (file.exists() and '"tcp://' in file.read_text(encoding="utf-8")) and time.monotonic() < end:
             time.sleep(0.05)
-        time.sleep(0.2)
         yield next(w for w in file.read_text(encoding="utf-8").split('"') if w.startswith("tcp://")), process
 
 

@@ -493,8 +493,7 @@ def test_an_array_without_cells_says_why_and_shows_the_rest(page: Page) -> None:
 def test_layers_are_hidden_and_the_view_is_moved(page: Page) -> None:
     page.click("#layers-button")
     page.click("[data-layer=cells]")
-    page.wait_for_timeout(50)
-    assert page.locator(".layer-cells path").count() == 0
+    expect(page.locator(".layer-cells path")).to_have_count(0)
     page.click("[data-layer=cells]")
     page.keyboard.press("Escape")
     scale = "() => workbench.drawing.view.scale"

@@ -71,6 +71,10 @@ def test_undo_of_random_edits_gives_the_same_file_byte_for_byte(
     opened.context.close()
 
 
+CARRIED = """async () => { const { unpack } = await import("/page/address.js");
+    return JSON.stringify(await unpack(location.hash.slice(1))) === JSON.stringify(workbench.store.now); }"""
+
+
 def test_the_last_edit_before_a_reload_is_kept(browser: Browser, server: Workbench) -> None:
     opened = Opened(browser, server.address, viewport=SMALL)
     page = opened.page
@@ -84,8 +88,7 @@ def test_the_last_edit_before_a_reload_is_kept(browser: Browser, server: Workben
         assert page.evaluate("() => JSON.stringify(workbench.store.now)") == state
         page.evaluate("() => workbench.store.select([0])")
     written = "() => location.hash !== window.hash"
-    page.wait_for_function("() => location.hash.length > 1")
-    page.wait_for_timeout(400)
+    page.wait_for_function(CARRIED)
     assert len(page.url) < 2000
     former, known = page.url, page.evaluate("() => JSON.stringify(workbench.store.now)")
     page.evaluate("() => { window.hash = location.hash; }")
@@ -132,6 +135,9 @@ def test_a_page_without_a_token_asks_for_it(browser: Browser, server: Workbench)
     context.close()
 
 
+DRAWN = "() => new Promise((ready) => requestAnimationFrame(() => requestAnimationFrame(ready)))"
+
+
 @pytest.mark.usefixtures("all_stages")
 @pytest.mark.parametrize("system", keep(1, ["relay-oscillator-damped", "flower"]))
 def test_nothing_sticks_out_from_a_phone_to_a_wall(page: Page, system: str) -> None:
@@ -144,7 +150,8 @@ def test_nothing_sticks_out_from_a_phone_to_a_wall(page: Page, system: str) -> N
         page.evaluate("() => workbench.store.select([0])")
         for width in (400, 1400, 3840):
             page.set_viewport_size({"width": width, "height": 900})
-            page.wait_for_timeout(60)
+            page.wait_for_function("(width) => innerWidth === width", arg=width)
+            page.evaluate(DRAWN)
             assert page.evaluate("document.documentElement.scrollWidth") <= width, (scene, width)
             assert page.evaluate(beyond) == [], (scene, width)
             box = page.locator("#drawing").bounding_box()
