@@ -22,7 +22,7 @@ from nonsmooth.symbolic.formulas.formula_text import (
     indicator,
     product_text,
 )
-from nonsmooth.symbolic.formulas.trees import Arithmetic, formula_tree
+from nonsmooth.symbolic.formulas.trees import Interpretation, formula_tree
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class FieldFormulas:
     lyapunov: str | None
     point: tuple[str, ...]
 
-    def written(self, target: Arithmetic, names: Sequence[Any]) -> tuple[list[list[Any]], Any]:
+    def written(self, target: Interpretation, names: Sequence[Any]) -> tuple[list[list[Any]], Any]:
         """All fields, and V or None, in a target.
 
         Args:
@@ -94,7 +94,7 @@ class FieldFormulas:
 
         functions = {"sgn": sympy.sign, **{name: getattr(sympy, name) for name in _NAMED}}
         states = tuple(sympy.Symbol(name, real=True) for name in self.states)
-        target = Arithmetic(lambda value: sympy.Rational(value.numerator, value.denominator), sympy.pi, functions)
+        target = Interpretation(lambda value: sympy.Rational(value.numerator, value.denominator), sympy.pi, functions)
         fields, lyapunov = self.written(target, states)
         return SympyField(states, tuple(tuple(map(sympy.sympify, field)) for field in fields), lyapunov)
 
@@ -108,7 +108,7 @@ class FieldFormulas:
         functions = {"Abs": casadi.fabs, "Max": casadi.fmax, "Min": casadi.fmin, "sgn": casadi.sign}
         functions |= {name: getattr(casadi, name) for name in ("sqrt", *SMOOTH)}
         x = casadi.SX.sym("x", len(self.states))
-        target = Arithmetic(lambda value: casadi.SX(float(value)), casadi.SX(casadi.pi), functions)
+        target = Interpretation(lambda value: casadi.SX(float(value)), casadi.SX(casadi.pi), functions)
         fields, lyapunov = self.written(target, x.elements())
         made = tuple(casadi.Function("field", [x], [casadi.vertcat(*own)], ["x"], ["dx"]) for own in fields)
         return CasadiField(made, None if lyapunov is None else casadi.Function("V", [x], [lyapunov], ["x"], ["V"]))
@@ -131,7 +131,7 @@ SMOOTH = ("sin", "cos", "tanh", "atan", "exp")
 _NAMED = ("Abs", "Max", "Min", "sqrt", *SMOOTH)
 
 
-def _formula(target: Arithmetic, text: str, names: Mapping[str, Any]) -> Any:
+def _formula(target: Interpretation, text: str, names: Mapping[str, Any]) -> Any:
     try:
         return target.value(formula_tree(text), names)
     except OverflowError:
@@ -159,10 +159,10 @@ def _number(value: Fraction) -> str:
     return f"({value.numerator}.0 / {value.denominator}.0)"
 
 
-def _target(names: dict[str, str], pi: str, power: Callable[..., str]) -> Arithmetic:
+def _target(names: dict[str, str], pi: str, power: Callable[..., str]) -> Interpretation:
     functions = {name: f"{called}({{}})".format for name, called in names.items() if name not in ("Max", "Min")}
     functions |= {name: f"{names[name]}({{}}, {{}})".format for name in ("Max", "Min")}
-    return Arithmetic(_number, pi, functions, {**_OPERATORS, ast.Pow: power})
+    return Interpretation(_number, pi, functions, {**_OPERATORS, ast.Pow: power})
 
 
 _SAME = {name: name for name in ("sgn", "sqrt", *SMOOTH)}
@@ -183,7 +183,7 @@ def _head(formulas: FieldFormulas) -> list[str]:
     return said
 
 
-def _functions(formulas: FieldFormulas, target: Arithmetic) -> tuple[list[tuple[str, list[str]]], str | None]:
+def _functions(formulas: FieldFormulas, target: Interpretation) -> tuple[list[tuple[str, list[str]]], str | None]:
     """The fields by their names, and V."""
     fields, lyapunov = formulas.written(target, [f"x[{k}]" for k in range(len(formulas.states))])
     names = ["field"] if len(fields) == 1 else [f"field_{k}" for k in range(1, len(fields) + 1)]

@@ -213,8 +213,8 @@ def with_names(tree: ast.expr, meanings: Mapping[str, ast.expr]) -> ast.expr:
 
 
 @dataclass(frozen=True)
-class Arithmetic:
-    """An arithmetic in which formulas have values; also a library or a language that has formulas of its own.
+class Interpretation:
+    """What formulas mean: in an arithmetic, or in a library or a language that has formulas of its own.
 
     Attributes:
         number: of a rational number.
@@ -270,7 +270,7 @@ class Arithmetic:
         return self.functions["sgn" if name in SIGNS else name](*arguments)
 
 
-FLOATS = Arithmetic(
+FLOATS = Interpretation(
     float,
     math.pi,
     {name: getattr(math, name) for name in ("sin", "cos", "tanh", "atan", "exp", "sqrt")}

@@ -93,16 +93,24 @@ def test_the_packages_are_loud(loud: dict[str, str]) -> None:
 
 
 @pytest.fixture(scope="module")
-def flower(tmp_path_factory: pytest.TempPathFactory) -> Loud:
-    """What one process prints: the record of a plain system whose V is found by a semidefinite program; then which
-    solvers CVXPY found, who imports, and whether a loud package was looked at; then what a loud package prints.
+def array_check(tmp_path_factory: pytest.TempPathFactory, arrays: Arrays) -> Loud:
+    """What one process prints: the record of an array whose quadratic V is found by a cone program; then which solvers
+    CVXPY found, who imports, and whether a loud package was looked at; then what a loud package prints.
 
     One process for all of it, since it is the import of CVXPY that takes long.
     """
-    environment = loud_environment(tmp_path_factory.mktemp("loud"))
+    folder = tmp_path_factory.mktemp("loud")
+    environment, scene = loud_environment(folder), arrays.cocircular(3)
+    wheels = [
+        f'[[wheel]]\nposition = {pair(w.position)}\nheading = {pair(w.direction)}\nspeed = "{w.speed}"\n'
+        f'mu_roll = "{w.friction.roll}"\nmu_side = "{w.friction.side}"\n'
+        for w in scene.wheels
+    ]
+    path = folder / "array.toml"
+    path.write_text("\n".join([*wheels, f'[check]\nradius = "{scene.check.radius}"\n']), encoding="utf-8")
     code = (
         "from nonsmooth.reports.cli import app; from nonsmooth.reports.output.console import run; "
-        "run(app, ['check', 'flower', '--json']); "
+        f"run(app, ['check', {str(path)!r}, '--json']); "
         "import builtins, json, os; from cvxpy.reductions.solvers import defines; "
         "looked_at = os.path.exists(os.environ['LOOKED_AT']); "
         "asked = [defines.INSTALLED_SOLVERS, builtins.__import__.__name__, looked_at]; "
@@ -111,37 +119,20 @@ def flower(tmp_path_factory: pytest.TempPathFactory) -> Loud:
     return run_alone(environment, "-c", code).stdout.partition(QUESTION)
 
 
-def test_json_is_all_that_check_prints(flower: Loud) -> None:
-    """Of a plain system whose V is found by a semidefinite program."""
-    printed, _, asked = flower
+def test_json_is_all_that_check_prints(array_check: Loud) -> None:
+    printed, _, asked = array_check
     *_, looked_at = json.loads(asked.splitlines()[0])
-    assert json.loads(printed)["scene"] == "flower"
+    assert json.loads(printed)["translation"]["quadratic"] is not None
     assert not looked_at
-
-
-@thorough
-def test_json_is_all_that_check_of_an_array_prints(loud: dict[str, str], arrays: Arrays, tmp_path: Path) -> None:
-    """Of an array whose quadratic V is found by a cone program."""
-    scene = arrays.cocircular(3)
-    wheels = [
-        f'[[wheel]]\nposition = {pair(w.position)}\nheading = {pair(w.direction)}\nspeed = "{w.speed}"\n'
-        f'mu_roll = "{w.friction.roll}"\nmu_side = "{w.friction.side}"\n'
-        for w in scene.wheels
-    ]
-    path = tmp_path / "array.toml"
-    path.write_text("\n".join([*wheels, f'[check]\nradius = "{scene.check.radius}"\n']), encoding="utf-8")
-    done = run_alone(loud, "-m", "nonsmooth.reports.cli", "check", str(path), "--json")
-    assert json.loads(done.stdout)["translation"]["quadratic"] is not None
-    assert looked_at(loud) == ""
 
 
 def pair(vector: Vector) -> str:
     return f'["{vector[0]}", "{vector[1]}"]'
 
 
-def test_what_cvxpy_requires_is_there_and_other_modules_import_what_they_like(flower: Loud) -> None:
+def test_what_cvxpy_requires_is_there_and_other_modules_import_what_they_like(array_check: Loud) -> None:
     """Our own way in finds the same solvers as the plain import of an environment without optional ones."""
-    first, *printed_by_others = flower[2].splitlines()
+    first, *printed_by_others = array_check[2].splitlines()
     solvers, importer, _ = json.loads(first)
     assert {"CLARABEL", "SCS", "OSQP"} <= set(solvers)
     assert not {"GUROBI", "MOSEK", "CPLEX"} & set(solvers)

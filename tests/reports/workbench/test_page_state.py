@@ -71,8 +71,13 @@ def test_undo_of_random_edits_gives_the_same_file_byte_for_byte(
     opened.context.close()
 
 
+# Waits until the address carries what is shown.
 CARRIED = """async () => { const { unpack } = await import("/page/address.js");
-    return JSON.stringify(await unpack(location.hash.slice(1))) === JSON.stringify(workbench.store.now); }"""
+    for (let tries = 0; tries < 1500; tries += 1) {
+      if (JSON.stringify(await unpack(location.hash.slice(1))) === JSON.stringify(workbench.store.now)) return;
+      await new Promise((ready) => setTimeout(ready, 20));
+    }
+    throw new Error("waited for the address"); }"""
 
 
 def test_the_last_edit_before_a_reload_is_kept(browser: Browser, server: Workbench) -> None:
@@ -88,9 +93,9 @@ def test_the_last_edit_before_a_reload_is_kept(browser: Browser, server: Workben
         assert page.evaluate("() => JSON.stringify(workbench.store.now)") == state
         page.evaluate("() => workbench.store.select([0])")
     written = "() => location.hash !== window.hash"
-    page.wait_for_function(CARRIED)
-    assert len(page.url) < 2000
-    former, known = page.url, page.evaluate("() => JSON.stringify(workbench.store.now)")
+    page.evaluate(CARRIED)
+    former, known = page.evaluate("() => [location.href, JSON.stringify(workbench.store.now)]")
+    assert len(former) < 2000
     page.evaluate("() => { window.hash = location.hash; }")
     edited(page, lambda: page.keyboard.press("ArrowRight"))
     page.wait_for_function(written)
