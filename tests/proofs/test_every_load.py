@@ -23,7 +23,7 @@ from nonsmooth.proofs.clauses.at_point.every_load import EveryLoad, FloatLoads, 
 from nonsmooth.proofs.clauses.equilibrium.clause import EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
-from nonsmooth.proofs.clauses.feedback.every_load_law import TwistPyramid
+from nonsmooth.proofs.clauses.feedback.every_load_law import TwistPyramid, wheels_of
 from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed, ultimate_bound
 from nonsmooth.proofs.clauses.translation.at_point import EveryLoadTranslation, is_positive_on_hull
 from nonsmooth.proofs.findings import Certainty, Equilibrium, Feedback, Rotation, Translation
@@ -608,3 +608,10 @@ def minimum(driven: ContactRows) -> Floats:
     found = minimize(lambda xi: np.hypot(*driven.slips(xi).T).sum(), np.zeros(3), method="Nelder-Mead", tol=1e-12)
     point: Floats = found.x
     return point
+
+
+def test_rows_are_rounded_once() -> None:
+    """Rims to the centre have no moment: products of floats leave 1e-16 of it, which no doubt counts."""
+    rows = wheels_of(load_scene("ring-5", rule="ellipse")).rows
+    assert not rows[::2, 2].any()
+    assert np.abs(rows[1::2, 2]) == pytest.approx(1.0)

@@ -47,6 +47,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.clauses.at_point.every_load import FloatLoads, float_loads
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, least_products, rim_speeds
 from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist
+from nonsmooth.symbolic.mechanics.contact_states import roll_row, side_row
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 
@@ -98,8 +99,13 @@ class EveryLoadLaw:
 
 
 def wheels_of(scene: Scene) -> ContactModel:
-    """The wheels of a centred scene of a rule that minimizes the dissipation, with their friction sets."""
-    return with_friction_sets(contact_model(scene), friction_sets(scene))
+    """The wheels of a centred scene of a rule that minimizes the dissipation, with their friction sets.
+
+    Every exact number of their rows is rounded once: products of floats would cancel in the moments, and doubts about
+    the dissipation count rows by their sizes.
+    """
+    rows = float_points(row(wheel).unit_normal for wheel in scene.wheels for row in (roll_row, side_row))
+    return with_friction_sets(replace(contact_model(scene), rows=rows), friction_sets(scene))
 
 
 def driven_by(scene: Scene, imposed: ImposedTwist, wheels: ContactModel) -> ContactModel:
