@@ -403,17 +403,21 @@ def _written(node: ast.expr, least: int) -> str:
         case ast.Call(func=ast.Name(id=name)):
             return f"{name}({', '.join(_written(part, 0) for part in node.args)})"
         case ast.UnaryOp(op=ast.USub() | ast.UAdd()):
-            text = f"{'-' if isinstance(node.op, ast.USub) else '+'}{_written(node.operand, _UNARY)}"
+            text = f"{'-' if isinstance(node.op, ast.USub) else '+'}{_after(_written(node.operand, _UNARY))}"
             binds = _UNARY
         case ast.BinOp() if type(node.op) in _JOINTS:
             joint, binds, left, right = _JOINTS[type(node.op)]
-            after = _written(node.right, right)
-            text = f"{_written(node.left, left)}{joint}{f'({after})' if after.startswith('-') else after}"
+            text = f"{_written(node.left, left)}{joint}{_after(_written(node.right, right))}"
         case ast.Constant():
             return repr(node.value)
         case _:
             raise ExpressionError("required numbers, names, + - * / **, and functions of formulas")
     return text if binds >= least else f"({text})"
+
+
+def _after(text: str) -> str:
+    """What stands behind an operator: in parentheses where it begins with a minus."""
+    return f"({text})" if text.startswith("-") else text
 
 
 def tidied(tree: ast.expr) -> ast.expr:
