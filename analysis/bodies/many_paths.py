@@ -1,13 +1,15 @@
 """Where a body ends from many starts, sampled: all paths of a body with an outline at once, in floats.
 
-The steps are explicit (Heun's), of a length of their own for each path.  A step that comes to an edge
-ends just beyond it.  Where the motion there leads back a path chatters from one contact set to the other: the discrete
-form of Filippov's sliding, right to the order of a step.  Means over windows of steps smooth it out: where the mean
-hardly moves, steps are halved.  A path whose mean still hardly moves with the shortest steps rests (of a rule that
-keeps rows, the place: the steps drift to a heading there, at a rate that the rule leaves open), unless it goes to and
-fro by many steps: then it circles, and is followed to the last time.  One that moves on slowly, and within a window no
-farther than its mean does, drifts smoothly, and takes long steps again.  One that rests but drifts smoothly on leaps
-ahead by its mean rates, to the last time or to where it moves faster: it may turn to where other wheels carry it.
+The steps are explicit (Heun's), of a length of their own for each path.  A step that comes to an edge ends just beyond
+it.  Where the motion there leads back a path chatters from one contact set to the other: the discrete form of
+Filippov's sliding, right to the order of a step.  Means over windows of steps smooth it out: where the mean hardly
+moves, steps are halved.  A path whose mean still hardly moves with the shortest steps rests (of a rule that keeps rows,
+the place: the steps drift to a heading there, at a rate that the rule leaves open), unless it goes to and fro by many
+steps: then it circles, and is followed to the last time.
+
+One that moves on slowly, and within a window no farther than its mean does, drifts smoothly, and takes long steps
+again.  One that rests but drifts smoothly on leaps ahead by its mean rates, to the last time or to where it moves
+faster: it may turn to where other wheels carry it.
 
 On the same wheels motions of a rule without cells change smoothly, yet some within a layer narrower than a step.  There
 a path would go to and fro as well, and drift by the mean of the motions on both sides, which is not the one within.  So
@@ -188,15 +190,16 @@ class ManyPaths:
                 reached = float(state.times[going].min()) if len(going) else last
                 report(len(starts) - len(going), len(starts), f"t = {reached:.3g} of {last:.3g}")
         state.end(state.going, BodyEnd.LOST)
-        slow = (
-            (state.reasons == ENDS.index(BodyEnd.TIME))
-            & ~np.isnan(state.rested)
-            & self._keeps_near(state.extents, longest)
-        )
-        state.end(np.flatnonzero(slow), BodyEnd.REST)
-        state.times[slow] = state.rested[slow]
+        self._end_slow(state, longest)
         over = self._numbers[state.over]
         return BodyEnds(starts, state.poses, state.times, state.reasons, over, state.turning, last)
+
+    def _end_slow(self, state: _State, longest: float) -> None:
+        """Bodies that all but rest at the last time, and moved on slowly before, rest: since when they all but did."""
+        late = (state.reasons == ENDS.index(BodyEnd.TIME)) & ~np.isnan(state.rested)
+        slow = late & self._keeps_near(state.extents, longest)
+        state.end(np.flatnonzero(slow), BodyEnd.REST)
+        state.times[slow] = state.rested[slow]
 
     def _motions(self, count: int) -> Motions:
         """How bodies move that stand, on a number of paths."""
