@@ -436,19 +436,20 @@ def tidied(tree: ast.expr) -> ast.expr:
     return tree
 
 
+_NEUTRAL: dict[type[ast.operator], int] = {ast.Add: 0, ast.Sub: 0, ast.Mult: 1, ast.Div: 1}  # on the right
+
+
 def _tidied(left: ast.expr, joint: ast.operator, right: ast.expr) -> ast.expr:
+    """Two tidy parts, joined."""
+    neutral = _NEUTRAL.get(type(joint))
+    if neutral is not None and _is(right, neutral):
+        return left
+    if neutral is not None and isinstance(joint, ast.Add | ast.Mult) and _is(left, neutral):
+        return right
     match joint:
         case ast.Mult() if _is(left, 0) or _is(right, 0):
             return ZERO
-        case ast.Mult() if _is(left, 1):
-            return right
-        case ast.Mult() | ast.Div() if _is(right, 1):
-            return left
         case ast.Div() if _is(left, 0):
-            return left
-        case ast.Add() if _is(left, 0):
-            return right
-        case ast.Add() | ast.Sub() if _is(right, 0):
             return left
         case ast.Sub() if _is(left, 0):
             return ast.UnaryOp(ast.USub(), right)
