@@ -19,7 +19,8 @@ from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
 from nonsmooth.proofs.findings import Fact, Record, Translation, function_facts, row_fact
 from nonsmooth.proofs.inequalities.subdivision import shared_effort
 from nonsmooth.proofs.kernel.bases import quadratic_text
-from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text, signed_roots_of
+from nonsmooth.proofs.kernel.kept_energies import find_by_next_terms
+from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text, signed_roots_of
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, cube_text
@@ -153,9 +154,9 @@ def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
     return _of_entry(point, found and found[0])
 
 
-def decide_by_weights(point: CheckedPoint) -> Finding | None:
-    """A V with terms of higher weight beside an energy, which to first order is kept."""
-    found = find_weighted_function(with_known_numbers(point.system))
+def decide_by_kept_energy(point: CheckedPoint) -> Finding | None:
+    """An energy that the first terms of the field keep, with further terms that decide."""
+    found = find_by_next_terms(with_known_numbers(point.system))
     return _of_entry(point, found and found[0])
 
 
