@@ -134,9 +134,14 @@ def decide_by_squares(point: CheckedPoint) -> Finding | None:
     stated = space.examine(point.system.check.lyapunov, point.system.check.radius, Effort.STRICT)
     for found in (stated, find_lyapunov(space.system)):
         if found is not None and found.decrease is Decrease.STRICT:
-            function = _of_point(point, found)
-            return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
+            return _falling(point, found)
     return None
+
+
+def _falling(point: CheckedPoint, found: ExaminedLyapunov) -> Finding:
+    """What a V shows that falls along every solution."""
+    function = _of_point(point, found)
+    return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
 
 
 def decide_by_quotient(point: CheckedPoint) -> Finding | None:
@@ -155,8 +160,20 @@ def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
 
 
 def decide_by_kept_energy(point: CheckedPoint) -> Finding | None:
-    """An energy that the first terms of the field keep, with further terms that decide."""
-    found = find_by_next_terms(with_known_numbers(point.system))
+    """An energy that the first terms of the field keep, with further terms that decide.
+
+    Where its conditions are shown again by what regions and rates need, these follow from it.
+    """
+    from nonsmooth.proofs.many_states.decision import SpacePoint
+
+    space = SpacePoint(point.system)
+    found = find_by_next_terms(space.system)
+    if found is not None and found[0]["theorem"] != "instability":
+        hypotheses = found[0]["hypotheses"]
+        formula, within = parse_piecewise(hypotheses["function"], point.system.states), hypotheses["cells"]["within"]
+        examined = space.examine(formula, point.system.field(Fraction(within)), Effort.STRICT)
+        if examined is not None and examined.decrease is Decrease.STRICT:
+            return _falling(point, examined)
     return _of_entry(point, found and found[0])
 
 

@@ -97,6 +97,14 @@ def test_its_certificate_is_accepted(text: str) -> None:
     assert not refusal(certificate, len(certificate_text(certificate)))
 
 
+def test_its_energy_has_a_region_and_a_rate() -> None:
+    """Of a focus that attracts."""
+    result = ns.System(["x", "y"], ["-y - 2*x*Abs(x)", "x + y*Abs(y)"]).check()
+    claims = result.certificate()["statement"]["claims"]
+    assert any("attracts" in claim for claim in claims)
+    assert any("rate" in claim for claim in claims)
+
+
 def test_what_cancels_in_a_turn_is_left_open() -> None:
     """``-2 |cos|^3 + 3 |sin|^3 - 2 |cos| sin^2`` has the mean zero."""
     sides = (lambda x, y: -y - 2 * x * abs(x), lambda x, y: x + 3 * y * abs(y) - 2 * x * y * np.sign(x))
