@@ -20,6 +20,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from functools import partial
+from itertools import chain
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -30,7 +31,7 @@ from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings import Record
-from nonsmooth.proofs.kernel.bases import PiecewiseFunction, bent, formula_text, monomial, values
+from nonsmooth.proofs.kernel.bases import PiecewiseFunction, bent, formula_text, values
 from nonsmooth.proofs.kernel.cells import BeyondReachError, monic, started, stated_cells
 from nonsmooth.proofs.kernel.quotients import coefficients_of, proposed, values_inside
 from nonsmooth.proofs.kernel.search import (
@@ -117,7 +118,8 @@ def _proposals(
         if not kept.ncols():
             continue
         deciding = partial(_part, weights=weights, wanted=range(q, q + 1))
-        rows = np.vstack([values_inside(same, 0, points, deciding) for same in zip(*claims, strict=True)])
+        places = ((same, k) for same in zip(*claims, strict=True) for k in range(len(same[0].inequalities)))
+        rows = np.vstack([values_inside(same, k, points, deciding) for same, k in places])
         for chosen in proposed(rows @ np.array(kept.tolist(), dtype=float)):
             coefficients = coefficients_of(kept, chosen)
             near = values(functions, lambda _: points)[1] @ np.array(coefficients, dtype=float)
@@ -128,17 +130,12 @@ def _basis(
     states: Sequence[str], bends: Sequence[Polynomial], weights: Weights, most: int
 ) -> Iterator[PiecewiseFunction]:
     """Monomials, and these times the absolute values of surfaces, of weights 2 to a largest one."""
-    powers = [own for total in range(most + 1) for own in monomials_of(len(states), total)]
-    for own in powers:
-        if 2 <= _weight(own, weights) <= most:
-            yield PiecewiseFunction(monomial(states, own).text, _weight(own, weights))
-    for surface in bends:
-        least = min(_weight(own, weights) for own in surface.terms)
-        for own in powers:
-            total = least + _weight(own, weights)
-            if 2 <= total <= most:
-                factor = "*".join(written_powers(states, own))
-                yield PiecewiseFunction("*".join(filter(None, [bent(surface).text, factor])), total)
+    factors = [(0, ""), *((min(_weight(own, weights) for own in s.terms), bent(s).text) for s in bends)]
+    for least, factor in factors:
+        for own in chain.from_iterable(monomials_of(len(states), degree) for degree in range(most + 1)):
+            weight = least + _weight(own, weights)
+            if 2 <= weight <= most:
+                yield PiecewiseFunction("*".join(filter(None, [factor, *written_powers(states, own)])), weight)
 
 
 def _weight(exponents: Exponents, weights: Weights) -> int:
@@ -152,7 +149,7 @@ def _part(terms: Mapping[Exponents, Any], weights: Weights, wanted: range) -> di
 
 def _terms_below(claims: Sequence[Claim], weights: Weights, weight: int) -> list[CheckedPolynomial]:
     """Those of lower weight in the derivatives on all cells."""
-    values = [claim.inequalities[0].value for claim in claims]
+    values = [own.value for claim in claims for own in claim.inequalities]
     return [CheckedPolynomial(own.count, _part(own.terms, weights, range(weight))) for own in values]
 
 
