@@ -34,7 +34,6 @@ from nonsmooth.proofs.kernel.subject import (
     about,
     exact_text,
     formula_in_names,
-    polynomial_in_names,
     subjects_of,
 )
 from nonsmooth.proofs.kernel.written import terms_of
@@ -54,13 +53,12 @@ from nonsmooth.proofs.systems.domain import (
     simple_below,
     slowest_ratio,
 )
-from nonsmooth.proofs.systems.findings import ExaminedFunction, PotentialPiece
+from nonsmooth.proofs.systems.findings import ExaminedFunction
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, row_norms
 from nonsmooth.symbolic.numbers.polynomial import Exponents, float_values
-from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- where inequalities of a claim are least -----------------------------------------------------
@@ -374,25 +372,18 @@ def first_shown(
 
 def stated_function(
     system: SwitchedSystem, radius: Number | None, function: ExaminedFunction | PiecewiseExpression
-) -> tuple[str | list[list[str]], StatedCells]:
+) -> tuple[str, StatedCells]:
     """V as a certificate states it, and the cells of the system and of V.
 
     Args:
         system: in any number of states.
         radius: half the side of the cube; None for the whole space.
-        function: V, known on cones or as one formula.
+        function: V.
     """
     if radius is not None:
         exact_text(radius)
-    pieces = () if isinstance(function, PiecewiseExpression) else function.pieces
-    if len(pieces) <= 1:
-        own = parse_piecewise(str(pieces[0].potential) if pieces else function.text, system.states)
-        return formula_in_names(own, system), stated_cells(system, radius, surfaces_of(system, own), irrational=True)
-    sides = [_sides(system, piece) for piece in pieces]
-    cells = stated_cells(system, radius, [line for own in sides for line, _ in own], irrational=True)
-    return [
-        [cells.signs(own), polynomial_in_names(piece.potential)] for own, piece in zip(sides, pieces, strict=True)
-    ], cells
+    own = parse_piecewise(function.text, system.states)
+    return formula_in_names(own, system), stated_cells(system, radius, surfaces_of(system, own), irrational=True)
 
 
 def growth_hypotheses(system: SwitchedSystem, function: ExaminedFunction) -> Record:
@@ -403,19 +394,4 @@ def growth_hypotheses(system: SwitchedSystem, function: ExaminedFunction) -> Rec
         NotShownError: where no direction leads into a cell.
     """
     stated, cells = stated_function(system, function.domain.radius or system.check.radius, function)
-    return directed_hypotheses(read_subject(about(system)), cells.record, _negated(stated), Search())
-
-
-def _sides(system: SwitchedSystem, piece: PotentialPiece) -> list[tuple[Form, int]]:
-    """The lines through both rays of a cone, each with its sign inside."""
-    if piece.start is None or piece.end is None:
-        raise NoCertificateError("a certificate needs a V on cones with both rays")
-    x, y = system.coordinates()
-    first, last = (y * ray[0] - x * ray[1] for ray in (piece.start, piece.end))
-    return [(first, 1), (last, -1)]
-
-
-def _negated(function: str | list[list[str]]) -> Any:
-    if isinstance(function, str):
-        return f"-({function})"
-    return [[signs, f"-({own})"] for signs, own in function]
+    return directed_hypotheses(read_subject(about(system)), cells.record, f"-({stated})", Search())

@@ -547,7 +547,7 @@ def find_region_of_another_function(result: DecidedSystem, asked: str, announce:
         TooMuchWorkError: where the programs are too large for what is asked.
     """
     function = result.function
-    if not result.has_local_region or function.formula is None:
+    if not result.has_local_region:
         return None
     scene = result.scene
     limit = Fraction(exact_text(scene.check.radius)) if scene.denominators else None

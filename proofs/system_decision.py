@@ -485,7 +485,7 @@ def _beyond(system: SwitchedSystem, function: PlaneFunction) -> FallingFunction 
     domain, checked = function.domain, system.check.radius
     if domain.radius is None or domain.radius == checked:
         return None
-    if not function.is_given and (system.waves or function.formula is None):  # of pieces, known on the smaller one
+    if not function.is_given and system.waves:
         return None
     found = _falling(system, function, checked)
     is_short = function.is_given or (found is not None and found.degree <= MOST_DEGREE)

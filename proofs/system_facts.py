@@ -28,7 +28,6 @@ from nonsmooth.proofs.systems.findings import (
     DecidedSystem,
     ExaminedFunction,
     Method,
-    PotentialPiece,
     Reach,
 )
 from nonsmooth.symbolic.formulas.enclosed_functions import kinds_text
@@ -210,7 +209,7 @@ def _potential(result: DecidedSystem) -> Iterator[Fact]:
 def _conditions(function: ExaminedFunction, states: Sequence[str]) -> Iterator[Fact]:
     """V, its domain, the ladder of derivatives, and what follows."""
     yield Fact("V", function.text)
-    yield Fact("pieces", [_piece(piece) for piece in function.pieces] or None)
+    yield Fact("pieces")
     domain = function.domain
     record = {"kind": domain.kind(states), "radius": Quantity(domain.radius), "text": domain.text(states)}
     yield Fact("domain", record)
@@ -218,11 +217,6 @@ def _conditions(function: ExaminedFunction, states: Sequence[str]) -> Iterator[F
     yield Fact("verdict", function.decrease.name.lower())
     yield Fact("reason", function.reason)
     yield from unsaid([_witness(function.witness)])
-
-
-def _piece(piece: PotentialPiece) -> dict[str, object]:
-    cone = None if piece.start is None else {"from": Quantity(piece.start), "to": Quantity(piece.end)}
-    return {"V": str(piece.potential), "cone": cone}
 
 
 def reached_words(region: SublevelRegion, states: Sequence[str]) -> str:

@@ -42,9 +42,9 @@ from nonsmooth.proofs.many_states.lyapunov_search import LARGE, find_growing_pro
 from nonsmooth.proofs.many_states.weak_functions import energies_near, find_kept_function, find_weak_growth
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import DecidedSystem
+from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
 from nonsmooth.proofs.systems.ray_moves import are_cones
 from nonsmooth.proofs.systems.scalar_stability import clear_distance, within
-from nonsmooth.proofs.systems.search import search_lyapunov
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.trees import ExpressionError
@@ -227,7 +227,7 @@ def show_by_growth(system: SwitchedSystem, verdict: str, search: Search) -> Entr
         NotShownError: where none is found.
     """
     subject, search = started(system, search)
-    found = search_lyapunov(system, PlanePoint(system).cells, grows=True)
+    found = find_lyapunov(system, grows=True, is_linear=PlanePoint(system).is_led_by_linear_parts)
     if found is None or found.decrease is not Decrease.STRICT:
         raise NotShownError("no function was found that grows along every solution")
     try:

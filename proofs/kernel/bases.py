@@ -22,6 +22,7 @@ import numpy as np
 from flint import fmpq
 
 from nonsmooth.proofs.checker.cells import Face, whole_domain
+from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, StatedCells
@@ -62,8 +63,7 @@ def families(cells: SignCells, *, all_lines: bool = False) -> Iterator[tuple[Pie
     quadratic = monomials(states, 2)
     lines = [s for s in cells.surfaces if s.degree == 1 and s.is_homogeneous]
     first = tuple(bent(line) for line in lines if field_jumps(cells, line))
-    second = [PiecewiseFunction(f"{state}*{bent(line).text}", 2) for line in lines for state in states]
-    second += [PiecewiseFunction(f"{bent(a).text}*{bent(b).text}", 2) for a, b in combinations(lines, 2)]
+    second = [*_with_states(states, lines), *(_product(a, b) for a, b in combinations(lines, 2))]
     beside = tuple(_beyond(s) for s in cells.surfaces if s.degree == 1 and not s.is_homogeneous)
     yield quadratic
     if first:
@@ -74,6 +74,29 @@ def families(cells: SignCells, *, all_lines: bool = False) -> Iterator[tuple[Pie
         yield (*first, *quadratic, *monomials(states, 4))
     if all_lines and len(first) < len(lines):
         yield (*map(bent, lines), *quadratic, *second)
+
+
+def piecewise_quadratics(states: Sequence[str], lines: Sequence[Polynomial]) -> tuple[PiecewiseFunction, ...]:
+    """Functions whose sums are all continuous functions that are quadratic between lines through the point.
+
+    Args:
+        states: two.
+        lines: in the order of their directions.
+    """
+    count = len(lines)
+    beside = (
+        (i, j) for i, j in combinations(range(count), 2) if {j - i, i - j + count} & {1, 2}
+    )  # products of others are sums of these
+    products = (_product(lines[i], lines[j]) for i, j in beside)
+    return (*monomials(states, 2), *_with_states(states, lines), *products)
+
+
+def _with_states(states: Sequence[str], lines: Sequence[Polynomial]) -> list[PiecewiseFunction]:
+    return [PiecewiseFunction(f"{state}*{bent(line).text}", 2) for line in lines for state in states]
+
+
+def _product(first: Polynomial, second: Polynomial) -> PiecewiseFunction:
+    return PiecewiseFunction(f"{bent(first).text}*{bent(second).text}", 2)
 
 
 def formula_text(functions: Sequence[PiecewiseFunction], coefficients: Sequence[fmpq | Fraction]) -> str:
@@ -164,17 +187,33 @@ def rates(conditions: Functions, looked_at: LookedAt = points_of, faint: float =
         looked_at: the points of each place.
         faint: rates that are no larger are the rounding of places at rest, and left out.
     """
+    rows, _ = rates_and_values(conditions, looked_at)
+    rows[np.max(np.abs(rows), axis=1, initial=0.0) <= faint] = 0.0
+    return distinct(rows)
+
+
+def rates_and_values(conditions: Functions, looked_at: LookedAt) -> tuple[Floats, Floats]:
+    """The rates of all functions along extreme velocities, and their values there, of shape (m, k)."""
     inclusion = conditions.inclusion
     space = whole_domain(inclusion)
     points = looked_at(space)
     places = [(space, [cell], points) for cell in inclusion.cells]
     places += [(face, list(cells), looked_at(face)) for face, _, cells in conditions.bends]
-    found = [np.zeros((0, len(inclusion.cells[0].functions)))]
+    found = [np.zeros((2, 0, len(inclusion.cells[0].functions)))]
     for place, cells, coordinates in places:
-        found.append(slopes_along(sampled(place, cells, coordinates), cells[0].functions))
-    rows = np.vstack(found)
-    rows[np.max(np.abs(rows), axis=1, initial=0.0) <= faint] = 0.0
+        functions, samples = cells[0].functions, sampled(place, cells, coordinates)
+        found.append(np.stack([slopes_along(samples, functions), _values_at(functions, samples.points)]))
+    slopes, heights = np.concatenate(found, axis=1)
+    return slopes, heights
+
+
+def distinct(rows: Floats) -> Floats:
+    """Rows over their largest entries, without those that are zero or alike."""
     return np.unique(np.round(normalized(rows), 12), axis=0)
+
+
+def _values_at(functions: Sequence[CheckedPolynomial], points: Floats) -> Floats:
+    return np.stack([float_values(own.terms, points) for own in functions], axis=1)
 
 
 def values(conditions: Functions, looked_at: LookedAt = points_of) -> tuple[Floats, Floats]:
@@ -184,7 +223,7 @@ def values(conditions: Functions, looked_at: LookedAt = points_of) -> tuple[Floa
     for cell in conditions.inclusion.cells:
         points = sampled(space, [cell], coordinates).points
         places.append(points)
-        found.append(np.stack([float_values(own.terms, points) for own in cell.functions], axis=1))
+        found.append(_values_at(cell.functions, points))
     return np.vstack(places), np.vstack(found)
 
 

@@ -99,7 +99,7 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
             return search.tried(subject, *_written(stated, cones, values, verdict, subject, search))
         return None
 
-    for lines in _line_sets(system):
+    for lines in line_sets(system):
         smallest = cells(lines, RADII[-1])
         cones = build_cones(build_inclusion(smallest, subject, search))
         values = falling_values(cones, verdict)
@@ -116,8 +116,14 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
 # ---- lines and cones -----------------------------------------------------------------------------
 
 
-def _line_sets(system: SwitchedSystem) -> Iterator[list[Form]]:
-    """The tangents of all switching curves at the point, then with lines inside wide cones, closer and closer."""
+def line_sets(system: SwitchedSystem) -> Iterator[list[Form]]:
+    """The tangents of all switching curves at the point, then with lines inside wide cones, closer and closer.
+
+    Each list is in the order of directions.
+
+    Raises:
+        NotShownError: where a tangent has no name in the field.
+    """
     x, y = system.displaced(system.states)
     x, y = (own - centre for own, centre in zip((x, y), system.check.equilibrium, strict=True))
     lines: list[Form] = []

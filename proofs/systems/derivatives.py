@@ -503,14 +503,14 @@ class Staying(StrEnum):
 
 
 def decide_staying(
-    system: SwitchedSystem, formula: PiecewiseExpression | None, radius: Number, cells: Sequence[LyapunovCell]
+    system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, cells: Sequence[LyapunovCell]
 ) -> Staying:
     """Whether a solution other than the origin stays for ever on one level of V inside the domain.
 
     Args:
         system: in two states.
-        formula: V in the displacement; None for one of pieces, for which no further functions are searched.
-        radius: half the side of the square on which they are searched.
+        formula: V in the displacement.
+        radius: half the side of the square on which further functions are searched.
         cells: cover the domain; V is positive and does not increase on them.
     """
     if attraction(system, formula, radius, cells) is not None:
@@ -523,19 +523,19 @@ def decide_staying(
 
 
 def attraction(
-    system: SwitchedSystem, formula: PiecewiseExpression | None, radius: Number, cells: Sequence[LyapunovCell]
+    system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, cells: Sequence[LyapunovCell]
 ) -> Record | None:
     """LaSalle's principle with its evidence, as a certificate holds it; None where it is not shown.
 
-    Where another place is seen to rest, and of a V of pieces, no further functions are searched.
+    Where another place is seen to rest no further functions are searched.
 
     Args:
         system: in two states.
-        formula: V in the displacement, which does not increase; None for one of pieces.
+        formula: V in the displacement, which does not increase.
         radius: half the side of the square on which further functions are searched.
         cells: cover the domain.
     """
-    if formula is None or resting_place(cells) is not None:
+    if resting_place(cells) is not None:
         return None
     return find_attraction(with_known_numbers(system), formula, radius)
 

@@ -7,16 +7,13 @@ A :class:`Finding` is a theorem with what it shows; what it rests on is a small 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from enum import StrEnum
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.findings import Equilibrium, Fact, Record, Translation
-from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Refutation, Supremum
 from nonsmooth.proofs.systems.domain import (
     DecayRate,
@@ -29,10 +26,7 @@ from nonsmooth.proofs.systems.domain import (
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.number_text import brief_text
-from nonsmooth.symbolic.numbers.plane import cross, same_direction
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
@@ -74,31 +68,10 @@ class Method(StrEnum):
     NONE = "nothing"
 
 
-@dataclass(frozen=True)
-class PotentialPiece:
-    """V on one cone at the equilibrium.
-
-    Attributes:
-        potential: V, in the displacement from the equilibrium under the states' names.
-        start: first ray of the cone, counterclockwise.
-        end: its last ray; None with ``start`` where one polynomial is V everywhere.
-    """
-
-    potential: Polynomial
-    start: Point | None
-    end: Point | None
-
-    def __str__(self) -> str:
-        if self.start is None or self.end is None:
-            return f"{self.potential}"
-        first, last = (f"({brief_text(x)}, {brief_text(y)})" for x, y in (self.start, self.end))
-        return f"{self.potential} from ray {first} to ray {last}"
-
-
 class ExaminedFunction(ABC):
     """A V in the displacement from the checked point, with its conditions on a domain."""
 
-    formula: PiecewiseExpression | None
+    formula: PiecewiseExpression
 
     @property
     @abstractmethod
@@ -126,11 +99,6 @@ class ExaminedFunction(ABC):
         """Where one of them fails: point, value and meaning; None where none is known to."""
 
     @property
-    def pieces(self) -> tuple[PotentialPiece, ...]:
-        """V cone by cone; empty where it is one formula."""
-        return ()
-
-    @property
     def suprema(self) -> dict[str, Supremum]:
         """The largest values of its derivatives, by name; empty where they are not asked for."""
         return {}
@@ -147,8 +115,8 @@ class ExaminedFunction(ABC):
 
     @property
     def text(self) -> str:
-        """V as a formula, or its pieces."""
-        return "; ".join(map(str, self.pieces)) if self.formula is None else one_line(self.formula.text)
+        """V as a formula."""
+        return one_line(self.formula.text)
 
     def known_proofs(self, reach: Reach) -> Record:
         """The evidence that is known of its conditions and its reach, by the names of claims; empty where none is."""
@@ -408,7 +376,7 @@ class PlaneFunction(ExaminedFunction):
     Attributes:
         result: Lyapunov's conditions with their evidence.
         on: where they are looked at.
-        formula: V as one formula; None where it is known by its pieces only.
+        formula: V.
         states: their names.
         grows: whether time was reversed.
         is_given: whether it is the scene's.
@@ -416,7 +384,7 @@ class PlaneFunction(ExaminedFunction):
 
     result: LyapunovResult
     on: Domain
-    formula: PiecewiseExpression | None
+    formula: PiecewiseExpression
     states: tuple[str, ...]
     grows: bool = False
     is_given: bool = False
@@ -449,41 +417,6 @@ class PlaneFunction(ExaminedFunction):
         return len({cell.potential for cell in near}) == 1 and not any(rate for cell in near for rate in cell.rates)
 
     @property
-    def pieces(self) -> tuple[PotentialPiece, ...]:
-        """V cone by cone, of one that was searched so."""
-        return potential_pieces(self.result.cells, self.states) if self.formula is None else ()
-
-    @property
     def suprema(self) -> dict[str, Supremum]:
         """The largest values of the derivatives; none where other evidence shows the conditions."""
         return {name: self.result.supremum(name) for name in DERIVATIVES} if self.result.strata else {}
-
-
-def potential_pieces(cells: Sequence[LyapunovCell], states: tuple[str, ...]) -> tuple[PotentialPiece, ...]:
-    """The pieces of a V whose cells are cones, or parts of cones, at the origin."""
-    spans: dict[Polynomial, list[tuple[Point, Point]]] = {}
-    for cell in cells:
-        found = spans.setdefault(cell.potential, [])
-        for a, b in directions(cell.region):
-            found.append(((a[0], a[1]), (b[0], b[1])))
-    if len(spans) == 1:
-        return tuple(PotentialPiece(replace(p, variables=states), None, None) for p in spans)
-    return tuple(
-        PotentialPiece(replace(potential, variables=states), start, end)
-        for potential, own in spans.items()
-        for start, end in _joined(own)
-    )
-
-
-def _joined(spans: Sequence[tuple[Point, Point]]) -> list[tuple[Point, Point]]:
-    """Cones with a common ray made one (of at most a half turn), each direction once."""
-    joined: list[tuple[Point, Point]] = []
-    for start, end in spans:
-        if any(same_direction(start, s) and same_direction(end, e) for s, e in joined):
-            continue
-        before = next((k for k, (_, e) in enumerate(joined) if same_direction(e, start)), None)
-        if before is not None and sign(cross(joined[before][0], end)) >= 0:
-            joined[before] = (joined[before][0], end)
-        else:
-            joined.append((start, end))
-    return joined

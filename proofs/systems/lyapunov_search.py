@@ -8,6 +8,10 @@ and on smaller ones; a V of a smaller one is then proved on the largest square t
 does not need is exactly zero and the formula is short.  A point at which the audit refutes a rounded V is added to the
 rows.  In reversed time the same search finds a function that grows along every solution.
 
+*A piecewise quadratic V* (Johansson and Rantzer 1998).  Where the linear parts of the fields decide, V may bend on
+further lines through the point, closer and closer.  If cells are cones with linear fields, it is proved on the whole
+plane; of the decays kappa with ``V' <= -kappa V`` that floats see nearly the fastest is asked for.
+
 *A V that does not increase*, where none is found that falls everywhere, is proposed as in any number of states
 (:mod:`nonsmooth.proofs.many_states.weak_functions`), and audited here.
 
@@ -16,7 +20,8 @@ rows.  In reversed time the same search finds a function that grows along every 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -35,29 +40,33 @@ from nonsmooth.proofs.kernel.bases import (
     LookedAt,
     PiecewiseFunction,
     bent,
+    distinct,
     families,
     formula_text,
     functions_on,
     monomials,
     normalized,
-    rates,
+    piecewise_quadratics,
+    rates_and_values,
     values,
 )
-from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
-from nonsmooth.proofs.kernel.search import Functions, moved_to
+from nonsmooth.proofs.kernel.cells import BeyondReachError, monic, stated_cells
+from nonsmooth.proofs.kernel.fans import line_sets
+from nonsmooth.proofs.kernel.search import Functions, NotShownError, moved_to
 from nonsmooth.proofs.kernel.second_function import with_projected
-from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.proofs.kernel.subject import NoCertificateError, formula_in_names
 from nonsmooth.proofs.kernel.written import roundings
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import Domain, plane_cells
 from nonsmooth.proofs.systems.energies import falling_energies
 from nonsmooth.proofs.systems.findings import PlaneFunction
+from nonsmooth.proofs.systems.ray_moves import are_cones
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
-from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, with_known_numbers
 
@@ -65,16 +74,21 @@ ROUNDS = 5  # of proposals for one family on one square
 WORK = 240  # inequalities that one search may look at
 FIRST_SHARE, LATER_SHARE = Fraction(2, 3), Fraction(1, 8)  # of them for the checked square, and for each smaller one
 UNDECIDED_COST = 60  # of an inequality whose sign is not found, in inequalities that are decided
+WORK_ON_CONES = 1_000  # inequalities that a search on cones may look at
 SCALES = tuple(Fraction(1, 4**k) for k in range(4))  # of the checked square
 BISECTIONS = 6  # of the square on which a V is proved, where that is not the checked one
 ENLARGING_WORK = 180  # inequalities that these may look at
 MAX_CELLS = 40  # beyond that the audit of one proposal takes too long
 
-DIVISIONS = 6  # of half a side of a square
+DIVISIONS, CONE_DIVISIONS = 6, 16  # of half a side of a square
 SHRINKING = 0.5  # from one distance of points to the next
 DISTANCES = 8
 DENOMINATORS = (2, 8, 64, 4096)  # of the rounded coefficients, tried in turn
 LEAST_MARGIN = 2.0**-24  # below that nothing is proposed: floats could not tell it from zero
+DECAYS = tuple(2.0 ** (1 - k / 16) for k in range(192))  # over the sizes of linear fields, the fastest first
+KEPT_DECAYS = (0.97, 0.9, 0.75, 0.5, 0.0)  # of the fastest one, tried in turn
+FASTER = 1.125  # than on fewer lines V falls on more if these are taken
+MOST_LINES = 6  # on which V bends for that
 CLEAR_MARGIN = 2.0**-9  # of a quadratic form: where it is less, as beside relays, a richer V falls faster
 NEGLIGIBLE = (2.0**-2, 2.0**-4, 2.0**-6)  # of the largest coefficient: what is left out, at first more
 
@@ -114,43 +128,50 @@ def has_curves(system: SwitchedSystem) -> bool:
 # ---- a V that falls --------------------------------------------------------------------------------
 
 
-def find_lyapunov(system: SwitchedSystem, *, grows: bool = False) -> PlaneFunction | None:
-    """A V that falls along every solution on a square about the equilibrium; None where none is found and proved.
+def find_lyapunov(system: SwitchedSystem, *, grows: bool = False, is_linear: bool = False) -> PlaneFunction | None:
+    """A V that falls along every solution about the equilibrium; None where none is found and proved.
 
     Args:
         system: in two states.
         grows: whether time is reversed.
+        is_linear: whether the linear parts of the fields decide what solutions near the point do.
     """
+    whole = in_time(plane_cells(system), grows=grows) if is_linear else ()
+    found = _on_cones(system, whole, grows=grows) if is_linear and are_cones(whole) else None
+    if found is not None:
+        return found
     curved = has_curves(system) or bool(system.waves)  # polynomials of high degree, as slow to audit as curves
     work = WORK // 2 if curved else WORK
     for scale in SCALES[:2] if curved else SCALES:
         budget = WorkMeter(int(work * (FIRST_SHARE if scale == 1 else LATER_SHARE)))
         radius = system.check.radius * scale
         cells = square_cells(system, radius, grows=grows)
-        for proposed in _proposed(system, cells, radius, budget, grows=grows) if len(cells) <= MAX_CELLS else ():
+        program = _Program(system, cells, radius, budget, grows)
+        for proposed in _proposed(program, is_linear=is_linear) if len(cells) <= MAX_CELLS else ():
             if proposed is not None:
                 formula, result = proposed
-                found = PlaneFunction(result, Domain(radius), formula, system.states, grows)
-
-                def cells_on(radius: Number, formula: PiecewiseExpression = formula) -> tuple[LyapunovCell, ...]:
-                    return searched_cells(system, formula, radius, grows=grows)
-
-                return enlarged(found, cells_on, system.check.radius, BISECTIONS, WorkMeter(ENLARGING_WORK))
+                return _enlarged(system, PlaneFunction(result, Domain(radius), formula, system.states, grows))
     return None
 
 
-def _proposed(
-    system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: WorkMeter, *, grows: bool
-) -> Iterator[tuple[PiecewiseExpression, LyapunovResult] | None]:
+def _on_cones(system: SwitchedSystem, cells: Sequence[FieldCell], *, grows: bool) -> PlaneFunction | None:
+    """A piecewise quadratic V on the plane, of cones with linear fields; None where none is found and proved."""
+    program = _Program(system, cells, system.check.radius, WorkMeter(WORK_ON_CONES), grows, conic=True)
+    found = program.on_cones()
+    return None if found is None else PlaneFunction(found[1], Domain(None), found[0], system.states, grows)
+
+
+def _proposed(program: _Program, *, is_linear: bool) -> Iterator[tuple[PiecewiseExpression, LyapunovResult] | None]:
     """What each family proves, the simple ones first; energies before the richest."""
-    program = _Program(system, cells, radius, budget, grows)
     bases = program.families()
     for basis in bases[:-1]:
         yield program.found(basis)
-    for formula in falling_energies(system, radius):
-        yield _falls(system, cells, formula, budget)
+    for formula in falling_energies(program.system, program.radius):
+        yield _falls(program.system, program.cells, formula, program.budget)
     for basis in bases[-1:]:
         yield program.found(basis)
+    for lines in program.further_lines() if is_linear else ():
+        yield program.found(piecewise_quadratics(program.system.states, lines), lines)
 
 
 def _falls(
@@ -167,29 +188,16 @@ def _falls(
     return (formula, result) if result.verdict is Decrease.STRICT else None
 
 
-def enlarged(
-    found: PlaneFunction,
-    cells_on: Callable[[Number], Sequence[LyapunovCell]],
-    high: Number,
-    times: int,
-    budget: WorkMeter,
-) -> PlaneFunction:
-    """The same V on the largest square on which bisection proves that it falls.
-
-    Args:
-        found: on a square.
-        cells_on: the cells with V on the square of a half-width.
-        high: a half-width beyond which nothing is asked.
-        times: how often the part between is halved.
-        budget: of all audits, in inequalities.
-    """
-    for _ in range(times):
+def _enlarged(system: SwitchedSystem, found: PlaneFunction) -> PlaneFunction:
+    """The same V on the largest square, up to the checked one, on which bisection proves that it falls."""
+    high, budget = system.check.radius, WorkMeter(ENLARGING_WORK)
+    for _ in range(BISECTIONS):
         low = found.domain.radius
         if low is None or not low < high or budget.left <= 0:
             break
         radius = (low + high) / 2
-        cells = cells_on(radius)
-        result = examine(cells) if len(cells) <= MAX_CELLS and not first_failure(inhabited(cells), budget) else None
+        cells = searched_cells(system, found.formula, radius, grows=found.grows)
+        result = examine(cells) if len(cells) <= MAX_CELLS and not first_failure(cells, budget) else None
         if result is not None and result.verdict is Decrease.STRICT:
             found = replace(found, result=result, on=Domain(radius))
         else:
@@ -206,6 +214,7 @@ class _Program:
     radius: Number
     budget: WorkMeter
     grows: bool
+    conic: bool = False  # whether all looks the same at every distance
 
     @cached_property
     def rational(self) -> SwitchedSystem:
@@ -229,15 +238,66 @@ class _Program:
             return [(*curves, *found[:2][-1]), found[0]]
         return found[:2] if has_curves(self.system) else found
 
-    def found(self, basis: Sequence[PiecewiseFunction]) -> tuple[PiecewiseExpression, LyapunovResult] | None:
-        """Rounds of proposals and refutations for one family; None where sums are too long, or cannot be used."""
+    def further_lines(self) -> Iterator[list[Polynomial]]:
+        """Lines through the point on which V may bend: the tangents of surfaces, then with others between them."""
+        with suppress(NotShownError):
+            yield from (list(map(monic, lines)) for lines in line_sets(self.rational))
+
+    def found(
+        self, basis: Sequence[PiecewiseFunction], lines: Sequence[Polynomial] = ()
+    ) -> tuple[PiecewiseExpression, LyapunovResult] | None:
+        """Rounds of proposals and refutations for one family, whose functions may bend on lines besides surfaces.
+
+        None where sums are too long, or cannot be used.
+        """
         with suppress(BeyondReachError, ExpressionError, SceneError):
-            stated = stated_cells(self.rational, self.radius)
-            return self._rounds(basis, functions_on(self.rational, stated, [own.text for own in basis]))
+            return self._rounds(basis, self._conditions(basis, lines))
         return None
 
+    def on_cones(self) -> tuple[PiecewiseExpression, LyapunovResult] | None:
+        """The same of a piecewise quadratic V on cones with linear fields, which falls nearly as fast as one can.
+
+        It bends on as few lines as serve, or on more where it falls much faster then.
+        """
+        best: list[tuple[float, tuple[PiecewiseFunction, ...], Functions]] = []
+        for lines in self.further_lines():
+            if best and len(lines) > MOST_LINES:
+                break
+            basis = piecewise_quadratics(self.system.states, lines)
+            with suppress(BeyondReachError):
+                conditions = self._conditions(basis, lines)
+                fastest = self._fastest_decay(conditions)
+                if best and not (fastest or 0.0) > FASTER * best[-1][0]:
+                    break
+                best += [] if fastest is None else [(fastest, basis, conditions)]
+        for fastest, basis, conditions in reversed(best):
+            for decay in dict.fromkeys(share * fastest for share in KEPT_DECAYS):
+                with suppress(ExpressionError, SceneError):
+                    found = self._rounds(basis, conditions, decay)
+                    if found is not None:
+                        return found
+        return None
+
+    @BEYOND_FLOATS
+    def _fastest_decay(self, conditions: Functions) -> float | None:
+        """As floats see it; 0 of a V that is to grow, and None where there is no V."""
+        size = max(float(np.linalg.norm(float_slopes(own))) for cell in self.cells for own in cell.velocities)
+        slopes, heights = rates_and_values(conditions, self._regular_points)
+        decays = [*([] if self.grows else [size * own for own in DECAYS]), 0.0]
+
+        def is_possible(decay: float) -> bool:
+            rows = np.vstack([self._side * distinct(slopes + decay * heights), distinct(heights)])
+            return _kept_margin(rows, list(range(rows.shape[1]))) is not None
+
+        return decays[bisect_left(decays, True, key=is_possible)] if is_possible(0.0) else None
+
+    def _conditions(self, basis: Sequence[PiecewiseFunction], lines: Sequence[Polynomial]) -> Functions:
+        stated = stated_cells(self.rational, self.radius, lines, irrational=bool(lines))
+        texts = [formula_in_names(parse_piecewise(own.text, self.system.states), self.rational) for own in basis]
+        return functions_on(self.rational, stated, texts)
+
     def _rounds(
-        self, basis: Sequence[PiecewiseFunction], conditions: Functions
+        self, basis: Sequence[PiecewiseFunction], conditions: Functions, decay: float = 0.0
     ) -> tuple[PiecewiseExpression, LyapunovResult] | None:
         """The same.
 
@@ -245,7 +305,7 @@ class _Program:
             ExpressionError: for a sum that is too long.
             SceneError: for one that cannot be used.
         """
-        rows, quadratic = self._rows(conditions, regular_points), monomials(self.system.states, 2)
+        rows, quadratic = self._rows(conditions, self._regular_points, decay), monomials(self.system.states, 2)
         for _ in range(ROUNDS):
             if self.budget.left <= 0:
                 return None
@@ -262,24 +322,33 @@ class _Program:
                     return formula, result
                 elif result.witness is not None:  # on an edge or at a corner
                     points.append(result.witness.point)
-            more = self._rows_near(conditions, points)
+            more = self._rows_near(conditions, points, decay)
             if not len(more):
                 return None
             rows = np.vstack([rows, more])
         return None
 
-    @BEYOND_FLOATS
-    def _rows(self, conditions: Functions, looked_at: LookedAt) -> Floats:
-        """Rows r with the condition ``r . c > 0``: V is positive, and falls along every solution (or grows)."""
-        side = 1 if self.grows else -1
-        return np.vstack([side * rates(conditions, looked_at, 0.0), normalized(values(conditions, looked_at)[1])])
+    def _regular_points(self, place: Face) -> Floats:
+        return regular_points(place, CONE_DIVISIONS, 1) if self.conic else regular_points(place)
 
-    def _rows_near(self, conditions: Functions, points: Sequence[Point]) -> Floats:
+    @BEYOND_FLOATS
+    def _rows(self, conditions: Functions, looked_at: LookedAt, decay: float) -> Floats:
+        """Rows r with the condition ``r . c > 0``: V is positive, and falls along every solution (or grows)."""
+        slopes, heights = rates_and_values(conditions, looked_at)
+        falls = self._side * distinct(slopes + decay * heights)
+        return np.vstack([falls, normalized(values(conditions, looked_at)[1])])
+
+    @property
+    def _side(self) -> int:
+        """The sign of rates that are asked for."""
+        return 1 if self.grows else -1
+
+    def _rows_near(self, conditions: Functions, points: Sequence[Point], decay: float) -> Floats:
         """Rows at points, and at points on the way from them to the equilibrium, in all cells that hold them."""
         half = float(self.radius)
         scaled = [[float(v) / half * SHRINKING**k for v in point] for point in points for k in range(DISTANCES)]
         near = np.array(scaled).reshape(-1, len(PLANE))
-        return self._rows(conditions, lambda place: near if not place.zero else np.zeros((0, place.dimension)))
+        return self._rows(conditions, lambda place: near if not place.zero else np.zeros((0, place.dimension)), decay)
 
 
 def _has_tangent(curve: Polynomial) -> bool:
@@ -287,14 +356,14 @@ def _has_tangent(curve: Polynomial) -> bool:
     return min(map(sum, curve.terms)) == 1
 
 
-def regular_points(place: Face) -> Floats:
+def regular_points(place: Face, divisions: int = DIVISIONS, distances: int = DISTANCES) -> Floats:
     """Points of a place all around the equilibrium, at distances that fall by a constant factor.
 
     Near the equilibrium the terms of lowest degree decide.  Newton's method takes points near curves to these.
     """
-    grid = np.array(list(product(np.linspace(-1.0, 1.0, 2 * DIVISIONS + 1), repeat=place.dimension)))
+    grid = np.array(list(product(np.linspace(-1.0, 1.0, 2 * divisions + 1), repeat=place.dimension)))
     around = grid if place.dimension == 1 else grid[np.abs(grid).max(axis=1, initial=0.0) == 1]
-    points = np.vstack([around * SHRINKING**k for k in range(DISTANCES)])
+    points = np.vstack([around * SHRINKING**k for k in range(distances)])
     beside = [moved_to(place.restricted(own), points) for own in place.inclusion.surfaces.listed if own.degree > 1]
     return np.vstack([with_projected(place, points), *beside])
 

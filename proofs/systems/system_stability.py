@@ -8,7 +8,7 @@
 4. Otherwise the leading terms of the fields on tangent cones (:mod:`nonsmooth.proofs.systems.leading_terms`).
 5. Otherwise a solution that leaves (:mod:`nonsmooth.proofs.kernel.escapes`).
 6. Unless the equilibrium is known to be unstable, a V is searched and proved, one that falls along every solution or,
-   where nothing else has decided, with time reversed one that grows (:mod:`nonsmooth.proofs.systems.search`).
+   where nothing else has decided, with time reversed one that grows (:mod:`.lyapunov_search`).
 7. A V that does not increase, the scene's or a searched one: asymptotically stable where no other solution stays
    where V' = 0 (LaSalle, :mod:`nonsmooth.proofs.systems.derivatives`).
 8. Otherwise such a V shows stability alone, and not asymptotic where a ray of equilibria shows it, or near the point
@@ -40,6 +40,7 @@ from nonsmooth.proofs.systems.findings import (
     weak_finding,
 )
 from nonsmooth.proofs.systems.ray_moves import (
+    UNWEIGHTED,
     ConstantFan,
     RayOfRest,
     are_cones,
@@ -120,6 +121,14 @@ class PlanePoint(CheckedPoint):
         from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
 
         return decide_leading_terms(self.system)
+
+    @cached_property
+    def is_led_by_linear_parts(self) -> bool:
+        """Whether the linear parts of the fields on the cones at the point decide."""
+        near = conic_germ(self.cells)
+        if near is None or self.system.others or self.leading is None or self.leading.weights != UNWEIGHTED:
+            return False
+        return not any(part.at_origin for cell in near for own in cell.velocities for part in own)
 
     @cached_property
     def _domains(self) -> list[Domain]:
@@ -232,16 +241,17 @@ def search_function(point: PlanePoint) -> Finding | None:
         or (fan is not None and fan.verdict is not Translation.ASYMPTOTICALLY_STABLE)
     ):
         return None
-    from nonsmooth.proofs.systems.search import search_lyapunov
+    from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
 
+    system, is_linear = point.system, point.is_led_by_linear_parts
     if leading is not None and leading.verdict is Translation.UNSTABLE:
-        cones = are_cones(point.cells) and not point.system.others
+        cones = are_cones(point.cells) and not system.others
         spirals = leading.growth is not None and cones and may_grow
-        found = search_lyapunov(point.system, point.cells, grows=True) if spirals else None
+        found = find_lyapunov(system, grows=True, is_linear=is_linear) if spirals else None
     else:
-        found = search_lyapunov(point.system, point.cells)
+        found = find_lyapunov(system, is_linear=is_linear)
         if found is None and may_grow and fan is None and leading is None:
-            found = search_lyapunov(point.system, point.cells, grows=True)
+            found = find_lyapunov(system, grows=True)
     return None if found is None else conclude_function(point, found)
 
 

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 # Files of a decided plain system for other programs: provers (.smt2, .kyx), and the field with V (.py, .c).
 
 
+MOST_TERMS = 16  # of a V that lines name whole
 PROGRAM_LANGUAGES = {".py": "python", ".c": "c"}
 
 
@@ -421,5 +422,6 @@ def _proof_words(result: StabilityResult) -> str:
 
 
 def brief_function(function: ExaminedFunction) -> str:
-    """V as a formula, or in how many pieces it is."""
-    return f"a V in {len(function.pieces)} pieces" if len(function.pieces) > 1 else f"V = {function.text}"
+    """V as a formula, or of how many terms a long one is."""
+    terms = len(list(function.formula.summands))
+    return f"a V of {terms} terms" if terms > MOST_TERMS else f"V = {function.text}"

@@ -15,13 +15,6 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nonsmooth.reports.exchange.reading import Reading
-from nonsmooth.symbolic.formulas.formula_text import (
-    difference_text,
-    first_that_holds,
-    in_parentheses,
-    indicator,
-    product_text,
-)
 from nonsmooth.symbolic.formulas.trees import Interpretation, formula_tree
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 
@@ -232,31 +225,8 @@ def formulas_of(system: SwitchedSystem, function: ExaminedFunction | None = None
         function: the V that was found; none of a system that is seen by roots of its states.
     """
     lists = system.written or tuple(tuple(side.text for side in (member.rhs)) for member in system.members)
-    lyapunov = None if function is None or system.by_roots is not None else _lyapunov_text(function, system)
+    lyapunov = None if function is None or system.by_roots is not None else function.formula.text
     point = tuple(map(str, system.check.equilibrium))
     if system.by_roots is not None:
         point = ("0",) * len(system.stated_states)  # V alone asks for it
     return FieldFormulas(system.name, system.stated_states, lists, lyapunov, point)
-
-
-def _lyapunov_text(function: ExaminedFunction, system: SwitchedSystem) -> str:
-    """V as one formula: of pieces on cones the one in whose cone the displacement is."""
-    if function.formula is not None:
-        return function.formula.text
-    *first, last = function.pieces
-    choices = []
-    for piece in first:
-        if piece.start is None or piece.end is None:
-            raise SceneError(system.origin, "lyapunov", "a V of one piece or of cones", StatedFact("another"))
-        x, y = system.states
-        beyond_start = _cross(piece.start, x, y, 1)
-        before_end = _cross(piece.end, x, y, -1)
-        inside = product_text([indicator(beyond_start, strict=False), indicator(before_end)])
-        choices.append((inside, f"({piece.potential})"))
-    return first_that_holds(choices, f"({last.potential})")
-
-
-def _cross(ray: Any, x: str, y: str, side: int) -> str:
-    """``side (a y - b x)`` of a ray (a, b): positive on the left of it for side 1."""
-    a, b = (in_parentheses(str(part * side)) for part in ray)
-    return difference_text(product_text([a, y]), product_text([b, x]))

@@ -42,7 +42,7 @@ def without_far_starts(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 STRICT_SEARCHES = (
-    "nonsmooth.proofs.systems.search.search_lyapunov",
+    "nonsmooth.proofs.systems.lyapunov_search.find_lyapunov",
     "nonsmooth.proofs.many_states.decision.find_lyapunov",
 )
 

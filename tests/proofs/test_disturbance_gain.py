@@ -258,12 +258,12 @@ def test_a_slower_system_has_a_slower_rate(rhs: tuple[str, ...]) -> None:
     assert 0.8 < slow / fast < 1.25
 
 
-def test_a_v_of_pieces_has_a_rate_on_the_plane() -> None:
+def test_a_v_that_bends_has_a_rate_on_the_plane() -> None:
     """Along solutions of a spring that is stiffer on one side V falls at least as fast as is said."""
     result = decide_system(built(["y", "-x - 4*Max(x, 0) - y/5"]))
     reach = result.reach
     assert result.function is not None
-    assert len(result.function.pieces) > 1
+    assert "Abs" in result.function.text
     assert reach.rate is not None
     assert reach.rate.domain.radius is None
     slowest = 0.2  # of V along solutions: twice the damping ratio at the least

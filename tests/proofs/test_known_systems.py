@@ -53,12 +53,9 @@ def test_systems_in_families(known: KnownPlanar) -> None:
     assert str(result.verdict) == known.truth
     assert result.check()
     function = result.function
-    if (
-        isinstance(function, PlaneFunction)
-        and function.formula is not None
-        and not (function.grows or function.is_given)
-    ):
-        document = {"equilibrium": known.check.get("equilibrium", [0, 0]), "radius": str(function.domain.radius)}
+    if isinstance(function, PlaneFunction) and not (function.grows or function.is_given):
+        radius = function.domain.radius or system.check.radius
+        document = {"equilibrium": known.check.get("equilibrium", [0, 0]), "radius": str(radius)}
         smaller = build_system(
             {"system": {"states": ["x", "y"], "rhs": list(known.rhs)}, "check": document}, "again", Path("again.toml")
         )

@@ -16,18 +16,17 @@ from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided, prove
 from nonsmooth.proofs.inequalities.subdivision import effort_left, effort_of_its_own, shared_effort
-from nonsmooth.proofs.kernel.bases import bent, formula_text, monomials
+from nonsmooth.proofs.kernel.bases import bent, formula_text, monomials, piecewise_quadratics
+from nonsmooth.proofs.kernel.cells import surfaces_of
 from nonsmooth.proofs.kernel_strategies import find_weak_function, linear_matrix, rate_of, short_forms
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease
-from nonsmooth.proofs.systems.domain import DecayKind, Domain, SublevelRegion
+from nonsmooth.proofs.systems.domain import DecayKind, SublevelRegion
 from nonsmooth.proofs.systems.energies import energies, falling_energies
 from nonsmooth.proofs.systems.findings import Method, PlaneFunction
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, in_time, propose
-from nonsmooth.proofs.systems.ray_moves import conic_germ
-from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.formulas.trees import float_value
@@ -234,18 +233,56 @@ def test_a_searched_v_is_proved_as_far_as_it_falls(
     assert not with_reach(result, region=replace(region, level=level * 5 / 4, refuted=level * 3)).check()
 
 
-def test_a_v_of_pieces_is_proved_on_a_larger_square(load: Load) -> None:
-    """What the linear parts of cones propose fails on the checked square and holds on more than a sixteenth."""
-    first = "-x/10 + 3*y - 2*y*sign(x**2 - y**2) + 3*x*y/16"
-    system = load(first, "-y/10 - 3*x - 2*x*sign(x**2 - y**2)", radius='"1"')
-    small, whole = system.check.radius / 16, system.check.radius
-    near = conic_germ(system_cells(system, square_regions(whole)))
-    by_pieces = find_near(near or (), system_cells(system, square_regions(small)))
-    assert by_pieces is not None
-    pieces, result = by_pieces
-    found = enlarged_pieces(system, pieces, PlaneFunction(result, Domain(small), None, system.states), whole)
+@pytest.mark.parametrize(
+    ("first", "second", "slowest"),
+    [
+        ("y", "-x - y", 1.0),  # twice the real part of its eigenvalues: no V falls faster
+        ("y", "-x - y/10 - Max(x, 0)", 0.1),
+        ("y", "-x - y/2*(1 + 3*sign(x))", 2.0),  # twice the eigenvalue of a node, which solutions come to on one side
+        ("y", "-x - y/2*(1 + 3*sign(x - sqrt(2)*y))", np.inf),
+    ],
+)
+def test_a_v_on_cones_falls_nearly_as_fast_as_solutions(load: Load, first: str, second: str, slowest: float) -> None:
+    """It bends on lines between those on which the field switches, where it has to, and holds on the plane."""
+    result = decide_system(load(first, second))
+    rate = result.reach.rate
+    assert result.function is not None
+    assert result.function.domain.radius is None
+    assert rate is not None
+    assert rate.domain.radius is None
+    assert 0.5 * min(slowest, 1.0) < float(rate.kappa) <= slowest
+    assert result.check()
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 5, 8])
+def test_sums_are_all_functions_that_are_quadratic_between_lines(count: int) -> None:
+    """In m lines there are as many: m values on rays and m mixed ones, of even functions and of odd ones each."""
+    system = built(["-x", "-y"])
+    x, y = system.coordinates()
+    angles = np.pi * np.arange(count) / count
+    lines = [x * round(99 * np.cos(angle)) + y * round(99 * np.sin(angle)) for angle in angles]
+    basis = piecewise_quadratics(system.states, lines)
+    points = np.random.default_rng(0).normal(size=(400, 2))
+    sums = np.stack([value(own.text, x=points[:, 0], y=points[:, 1]) for own in basis], axis=1)
+    assert np.linalg.matrix_rank(sums, tol=1e-9) == 4 * count
+
+
+def test_surfaces_of_long_sums_are_found_term_by_term() -> None:
+    """Twenty lines cut the plane into 40 cones, not into 2^20 patterns of signs."""
+    lines = [f"Abs(x - {k}*y)" for k in range(20)]
+    system = built(["-x", "-y"])
+    found = surfaces_of(system, parse_piecewise(" + ".join([*lines, "Max(x - 3*y, 0)*Abs(x + y)"]), system.states))
+    assert list(map(str, found[:3])) == ["x", "x - y", "x - 2*y"]
+    assert len(found) == 21
+
+
+def test_a_v_of_linear_parts_is_proved_beside_other_terms(load: Load) -> None:
+    """On the square V may bend where the field does not switch: no sum of other functions falls there."""
+    system = load("y", "-x - y/2*(1 + 3*sign(x)) + x**2/4", radius='"1/4"')
+    assert find_lyapunov(system) is None
+    found = find_lyapunov(system, is_linear=True)
+    assert found is not None
     assert found.domain.radius is not None
-    assert small < found.domain.radius < whole
     assert found.result.verdict is Decrease.STRICT
 
 

@@ -295,7 +295,7 @@ def test_centres_are_stable(name: str, method: str) -> None:
 
 def test_no_function_is_searched_of_centres_with_sines(monkeypatch: pytest.MonkeyPatch) -> None:
     """What they are between has none: three searches took half a minute before the reflection was tried."""
-    monkeypatch.setattr("nonsmooth.proofs.systems.search.search_lyapunov", None)
+    monkeypatch.setattr("nonsmooth.proofs.systems.lyapunov_search.find_lyapunov", None)
     assert decided(["sin(y)", "-sin(x) + sin(x)*cos(y)*x/2"]).method is Method.SYMMETRY
     assert decided(["y", "-sin(x)"]).method is Method.CIRCLES
 

@@ -104,7 +104,7 @@ def test_random_systems_are_not_contradicted(seed: int) -> None:
 @pytest.mark.usefixtures("without_reach")
 def test_a_turn_and_its_mirror_image_grow_by_one_factor(monkeypatch: pytest.MonkeyPatch) -> None:
     """The integral over a quadrant takes many evaluations in one sense alone; a search before it finds no V."""
-    monkeypatch.setattr("nonsmooth.proofs.systems.search.search_lyapunov", lambda *_, **__: None)
+    monkeypatch.setattr("nonsmooth.proofs.systems.lyapunov_search.find_lyapunov", lambda *_, **__: None)
     damping = f"5/2*{power('x', '5/4')} + 6*Abs(x)**(5/4)"
     for sense in ("", "-"):
         result = decide_system(built([f"{sense}{power('y', '5/2')} - ({damping})", f"-5*{sense}{power('x', '3/4')}"]))
