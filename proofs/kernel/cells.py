@@ -218,16 +218,17 @@ def surfaces_of(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[P
     """
     values = system.named()
     found: dict[Polynomial, None] = {}
-    waiting: list[dict[Polynomial, int]] = [{}]
-    while waiting:
-        signs = waiting.pop()
-        try:
-            formula.polynomial(values, signs_by_factors(signs))
-        except UnknownSign as unknown:
-            found[unknown.surface] = None
-            waiting += [{**signs, unknown.surface: sign} for sign in (-1, 1)]
-        if len(found) > MAX_SURFACES or len(waiting) > MAX_PATTERNS:
-            raise BeyondReachError(f"over {MAX_SURFACES} surfaces on which V switches")
+    for summand in formula.summands:
+        waiting: list[dict[Polynomial, int]] = [{}]
+        while waiting:
+            signs = waiting.pop()
+            try:
+                summand.polynomial(values, signs_by_factors(signs))
+            except UnknownSign as unknown:
+                found[unknown.surface] = None
+                waiting += [{**signs, unknown.surface: sign} for sign in (-1, 1)]
+            if len(found) > MAX_SURFACES or len(waiting) > MAX_PATTERNS:
+                raise BeyondReachError(f"over {MAX_SURFACES} surfaces on which V switches")
     return tuple(surface for surface in found if surface.degree)
 
 
@@ -311,15 +312,6 @@ class StatedCells:
     def proofs(self) -> Record:
         """The evidence that patterns are empty, by the names of the claims."""
         return {f"empty {signs}": evidence for signs, evidence in self.empty.items()}
-
-    def signs(self, sides: Iterable[tuple[Polynomial, int]]) -> str:
-        """A text of signs in which some polynomials, multiples of surfaces, have given signs."""
-        found: list[int | None] = [None] * len(self.surfaces)
-        for polynomial, sign in sides:
-            own = monic(polynomial)
-            k = next(k for k, surface in enumerate(self.surfaces) if monic(surface) == own)
-            found[k] = sign * _leading(polynomial).sign() * _leading(self.surfaces[k]).sign()
-        return pattern(found)
 
 
 def stated_cells(

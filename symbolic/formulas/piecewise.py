@@ -78,6 +78,17 @@ class PiecewiseExpression:
                 waiting += reversed(list(ast.iter_child_nodes(node)))
         return tuple(found)
 
+    @property
+    def summands(self) -> Iterator[PiecewiseExpression]:
+        """What it is the sum of, up to signs, from left to right; itself where it is no sum."""
+        waiting = [self.tree]
+        while waiting:
+            node = waiting.pop()
+            if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+                waiting += [node.right, node.left]
+            else:
+                yield PiecewiseExpression(self.text, node, self.states)
+
     def is_constant(self, node: ast.expr) -> bool:
         """Whether a part mentions no name but those of numbers."""
         return names_of(node).issubset(NUMBERS)
