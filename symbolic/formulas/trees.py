@@ -459,9 +459,9 @@ def _tidied(left: ast.expr, joint: ast.operator, right: ast.expr) -> ast.expr:
 
 
 def _without_minus(node: ast.expr) -> ast.expr | None:
-    """A number, or its multiple, without the minus before it; None where none is."""
+    """What has a minus before it, or a first factor that has, without it; None where none is."""
     match node:
-        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant()):
+        case ast.UnaryOp(op=ast.USub()):
             return node.operand
         case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as joint, right=right):
             positive = _without_minus(left)
