@@ -183,7 +183,7 @@ def test_formulas_are_tried_with_signs_that_occur_together(load: Load) -> None:
             "system.rhs[1]: required a formula of x, numbers, + - * / **, sign, abs, max, min, relu, sat, sqrt",
         ),
         (["x"], ["Max(x)"], "system.rhs[1]: required Max(a, b, ...), received 'Max(x)'"),
-        (["x"], ["-x + sat(x)"], "system.rhs[1]: required sat(a, low, high), received"),
+        (["x"], ["-x + sat(x, 1)"], "system.rhs[1]: required sat(a, low, high), received"),
         (
             ["x"],
             ["tan(x)"],
