@@ -417,6 +417,17 @@ def test_cells_over_the_point_follow_loads_that_were_measured(invoke: Invoke, tm
     assert cell["ends_within"] >= 0.01
 
 
+def test_words_about_cells_say_from_where_bodies_end_there(invoke: Invoke, tmp_path: Path) -> None:
+    """Where only bodies that start close by are known to, "every body" was said."""
+    file = tmp_path / "near.toml"
+    file.write_text(PRESSED.replace("LOADS", '"elastic"'), encoding="utf-8")
+    vary = ("--vary", "mu_side=0.5,0.52", "--certify", "--workers", "1")
+    near = " ".join(invoke("sweep", str(file), *vary).out.split())
+    assert "whole: every body that starts close to the point ends within" in near
+    wide = " ".join(invoke("sweep", str(file), *vary, "--rule", "nearest").out.split())
+    assert "whole: every body that starts within 0.25 of the point ends within" in wide
+
+
 def test_no_cell_is_certified_over_the_point_of_a_table_of_loads(invoke: Invoke, tmp_path: Path) -> None:
     """A table that is affine in c changes all loads with the point; one of constant loads does not."""
     rows = [[0.25, x, y] for x, y in [(0.35, 0.35), (-0.35, 0.35), (-0.35, -0.35), (0.35, -0.35)]]
