@@ -11,6 +11,7 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -36,6 +37,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.array_certificates import subject
 from tests.conftest import Arrays, WheelData
 from tests.engine_export import engine_twist, error, predicted_twist
+from tests.four_wheel import CORNERS
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
 
@@ -367,6 +369,19 @@ def test_a_body_that_should_rest_creeps_less_than_the_bound(invoke: Invoke) -> N
     bound = float(text.split("creep bound: ")[1].split()[0])
     assert np.abs(predicted_twist(text)).max() < 1e-3 * bound
     assert np.abs(engine_twist(text)).max() < bound
+
+
+@pytest.mark.parametrize("frame", ["body", "world"])
+def test_exported_files_are_well_formed(frame: str, invoke: Invoke, tmp_path: Path) -> None:
+    """Comments held two hyphens side by side, which the engine reads and strict parsers of XML refuse."""
+    scene = tmp_path / "named.toml"
+    places = "".join(f'[[wheel]]\nname = "M--{k}"\nposition = {list(place)}\n' for k, place in enumerate(CORNERS))
+    body = '[body]\nshape = "rectangle"\nwidth = 3\nheight = 3\n[check]\nradius = "1/4"\n'
+    far = '[[wheel]]\nname = "far--off"\nposition = [3, 0]\n'
+    text = f"name = 'four--wheels'\n[friction]\nmu_roll = 1\nmu_side = 1\n{places}{far}{body}"
+    scene.write_text(text, encoding="utf-8")
+    exported = invoke("export", str(scene), "--rule", "ellipse", "--frame", frame).out
+    assert ElementTree.fromstring(exported).tag == "mujoco"
 
 
 def test_units_of_the_scene_do_not_matter(invoke: Invoke, tmp_path: Path) -> None:

@@ -184,6 +184,11 @@ def test_ellipses_are_asked_for_where_motions_attract() -> None:
     assert [type(shape) for shape in shapes_about(np.diag([1.0, -1.0]))] == [Distance]
 
 
+def test_no_ellipse_is_asked_for_about_a_shear_of_which_rounding_makes_modes() -> None:
+    slope = -1.1641532182693481e-09 * np.array([[1.0, 1.0], [-1.0, -1.0]])  # its modes are rounding alone
+    assert [type(shape) for shape in shapes_about(slope)] == [Distance]
+
+
 # ---- rest points that are enclosed ---------------------------------------------------------------
 
 

@@ -399,6 +399,48 @@ def test_a_number_that_others_follow_makes_no_cell(
     assert outcome.err.count("\n") == 1
 
 
+PRESSED = """
+units = { length = "m" }
+friction = { mu_roll = 1, mu_side = "1/2" }
+ring = { count = 4, phase = 45 }
+contact = { rule = "roller", loads = LOADS }
+check = { radius = "1/4" }
+"""
+
+
+def test_cells_over_the_point_follow_loads_that_were_measured(invoke: Invoke, tmp_path: Path) -> None:
+    """Bodies end in the middle of the ring, 0.01 from the points at both ends; within 0.0003 was certified."""
+    file = tmp_path / "measured.toml"
+    file.write_text(PRESSED.replace("LOADS", '{ kind = "measured", values = [1, 1, 1, 1] }'), encoding="utf-8")
+    (cell,) = cells_of(invoke, file, "check.equilibrium.x=-0.01,0.01")
+    assert cell["verdict"] == "certified"
+    assert cell["ends_within"] >= 0.01
+
+
+def test_words_about_cells_say_from_where_bodies_end_there(invoke: Invoke, tmp_path: Path) -> None:
+    """Where only bodies that start close by are known to, "every body" was said."""
+    file = tmp_path / "near.toml"
+    file.write_text(PRESSED.replace("LOADS", '"elastic"'), encoding="utf-8")
+    vary = ("--vary", "mu_side=0.5,0.52", "--certify", "--workers", "1")
+    near = " ".join(invoke("sweep", str(file), *vary).out.split())
+    assert "whole: every body that starts close to the point ends within" in near
+    wide = " ".join(invoke("sweep", str(file), *vary, "--rule", "nearest").out.split())
+    assert "whole: every body that starts within 0.25 of the point ends within" in wide
+
+
+def test_no_cell_is_certified_over_the_point_of_a_table_of_loads(invoke: Invoke, tmp_path: Path) -> None:
+    """A table that is affine in c changes all loads with the point; one of constant loads does not."""
+    rows = [[0.25, x, y] for x, y in [(0.35, 0.35), (-0.35, 0.35), (-0.35, -0.35), (0.35, -0.35)]]
+    file, vary = tmp_path / "table.toml", "check.equilibrium.x=-0.01,0.01"
+    file.write_text(PRESSED.replace("LOADS", str(rows)), encoding="utf-8")
+    outcome = invoke("sweep", str(file), "--vary", vary, "--certify", "--workers", "1")
+    assert outcome.status == 2
+    assert "certify: required elastic or measured loads, or a table of constant ones, since check.eq" in outcome.err
+    assert outcome.err.count("\n") == 1
+    file.write_text(PRESSED.replace("LOADS", str([[0.25, 0, 0]] * 4)), encoding="utf-8")
+    assert len(cells_of(invoke, file, vary)) == 1
+
+
 @pytest.mark.parametrize("values", ["221 deg,229", "221,229 deg", "229,221", "221"])
 def test_sides_of_cells_have_one_unit_and_ascend(invoke: Invoke, tmp_path: Path, values: str) -> None:
     """Where angles are radians, a cell from 225 degrees to 226 radians was certified that held one degree of them."""
