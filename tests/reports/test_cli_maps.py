@@ -258,18 +258,6 @@ def test_maps_of_built_in_systems_contradict_nothing(name: str) -> None:
         assert mapped(portrait, 3, until).contradictions == ()
 
 
-def test_the_command_writes_every_form(invoke: Invoke, tmp_path: Path) -> None:
-    grid = ("simulate", "eq-4", "--grid", "2", "--until", "0.2")
-    record = invoke(*grid, "--json", "-o", str(tmp_path / "map.csv")).record
-    assert record["schema"] == "nonsmooth-system-map/1"
-    assert sum(record["shares"].values()) == pytest.approx(1)
-    assert "proved" in invoke(*grid).out
-    assert "4 starts" in invoke(*grid, "-o", str(tmp_path / "map.svg")).out
-    header, *rows = csv.reader((tmp_path / "map.csv").read_text(encoding="utf-8").splitlines())
-    assert header == ["x", "y", "x_end", "y_end", "whereabouts"]
-    assert len(rows) == 4
-
-
 def test_paths_of_a_map_that_end_early_are_not_said_to_be_anywhere(monkeypatch: pytest.MonkeyPatch) -> None:
     """Circles, followed for too long: beyond the work that all starts share nothing is said of ends."""
     system = ns.System(("x", "y"), ["y", "-x"], radius=1)

@@ -182,19 +182,6 @@ def test_it_has_two_pages(four_wheel: ArraySubject, tmp_path: Path) -> None:
     assert int(found[1]) <= PAGES
 
 
-def test_the_command_says_the_answers_in_a_line(invoke: Invoke) -> None:
-    done = invoke("derive", "four-wheel", "--brief", "-o", "brief.md")
-    assert "brief.md: position comes home, heading drifts, pose can be held" in " ".join(done.out.split())
-    assert Path("brief.md").read_text(encoding="utf-8").startswith("# In brief: four-wheel")
-
-
-def test_what_does_nothing_with_it_is_refused(invoke: Invoke) -> None:
-    plain = invoke("derive", "relay-oscillator-damped", "--brief")
-    assert (plain.status, "--brief: required an array of wheels" in plain.err) == (2, True)
-    chosen = invoke("derive", "four-wheel", "--brief", "--only", "verdict")
-    assert (chosen.status, "--only: required a report of all sections" in chosen.err) == (2, True)
-
-
 # ---- The derivation report of plain systems: in every format, by name of section, and its sliding velocities.
 
 RELAYS = ns.System(["x_1", "omega"], ["-sign(x_1) + omega/4", "-sign(omega) - x_1/4"], radius="1/2")
