@@ -151,25 +151,6 @@ def test_auto_on_the_command_line(random_file: str, capsys: pytest.CaptureFixtur
     assert '"answers"' in capsys.readouterr().out
 
 
-@few(2)
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["eq-3"], "required an array of wheels for --at auto, received a plain system"),
-        (["off-center", "--radius", "1/100"], "required a rest point in the checked square, found none"),
-        (
-            ["off-center", "--rule", "ellipse", "--radius", "1/100"],
-            "required a rest point that is simple or can be enclosed under rule ellipse",
-        ),
-    ],
-)
-def test_auto_refuses_in_one_line(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(app, ["check", *arguments, "--at", "auto"]) == 2
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert message in err
-
-
 @thorough  # the small one: test_auto_without_cells_proves_the_point_that_floats_propose
 def test_without_cells_the_places_are_where_the_field_vanishes() -> None:
     found = destinations("off-center", rule="ellipse")

@@ -485,25 +485,6 @@ def test_the_accuracy_is_a_part_of_the_array_or_stated(tmp_path: Path) -> None:
             measured(tmp_path, MeasuredTable.random(3, "ellipse"), f"[check]\naccuracy = {value}\n")
 
 
-@pytest.mark.parametrize(
-    ("text", "why"), [("0", "required a positive number"), ("-1/2", "required"), ("l", "required")]
-)
-def test_an_accuracy_that_is_no_length_is_refused_in_one_line(
-    text: str, why: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(app, ["check", "four-wheel", "--accuracy", text]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.count("\n") == 1
-    assert why in said.err
-    assert "check.accuracy" in said.err
-
-
-def test_an_accuracy_is_for_arrays(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(app, ["check", "eq-3", "--accuracy", "1"]) == 2
-    assert "no accuracy for a plain switched system" in capsys.readouterr().err
-
-
 def test_an_accuracy_that_is_asked_for_replaces_the_scene_s(capsys: pytest.CaptureFixture[str]) -> None:
     status, found = record(capsys, "check", "four-wheel", "--accuracy", "1/8", "--require", "position")
     assert (status, found["answers"]["position"]["accuracy"]) == (0, 0.125)
