@@ -88,7 +88,7 @@ def test_what_python_refuses_is_one_line() -> None:
     for row in (row for row in rows() if row.section == "refused-in-python"):
         line = expected()[row.line]["raised"]
         assert line.isprintable(), row.line
-        assert re.fullmatch(r"(SceneError|ValueError|TypeError|DesignError|SweepError): .*required .*", line), row.line
+        assert re.fullmatch(r"(Scene|Value|Type|Design|Sweep|Output)Error: .*required .*", line), row.line
         assert len(line) <= LONGEST_LINE, row.line
 
 

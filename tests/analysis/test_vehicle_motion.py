@@ -12,7 +12,6 @@ from scipy.optimize import minimize
 
 from nonsmooth.analysis.bodies.vehicles import VehicleMotion, friction_ratio, turns, vehicle_motion
 from nonsmooth.analysis.cells.contact_rule import all_rules, contact_rule
-from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.symbolic.files.documents import builtin_vehicles
 from nonsmooth.symbolic.files.vehicle_file import build_vehicle, load_vehicle
 from nonsmooth.symbolic.mechanics.vehicles import Vehicle
@@ -211,8 +210,3 @@ def test_an_uneven_load_on_the_sides_stops_the_turn() -> None:
     assert motion.twists[0] == pytest.approx((-1, 0, 0), abs=1e-9)
     assert motion.multiplier is None
     assert motion.icr is None
-
-
-def test_a_vehicle_that_tips_over_is_refused() -> None:
-    with pytest.raises(LoadError, match="required centres of mass inside the support polygon"):
-        vehicle_motion(vehicle(centre_of_mass=["0.3", 0]))

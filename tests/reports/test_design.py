@@ -98,13 +98,6 @@ def test_the_distance_that_wheels_may_move_is_any_rational_number(move: Any) -> 
             read_freedom(scene, "positions", none, None)
 
 
-@pytest.mark.parametrize("free", ["headings", "headings,speeds", "wheels"])
-def test_a_distance_is_refused_where_no_wheel_moves(free: str) -> None:
-    with pytest.raises(DesignError, match=rf"^move: required positions among what is free, received {free[:8]}"):
-        read_freedom(load_scene("four-wheel"), free, "1/8", None)
-    assert read_freedom(load_scene("four-wheel"), "headings,positions", "1/8", None).move == Fraction(1, 8)
-
-
 def test_every_wheel_of_an_orbit_keeps_its_own_limit() -> None:
     document, label, path = read_document("four-wheel")
     document["wheel"] = [dict(entry) for entry in document["wheel"]]

@@ -20,7 +20,6 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.reports.conftest import Invoke
 from tests.thorough import keep
@@ -166,29 +165,6 @@ def test_a_table_of_wheels_has_a_column_for_it(tmp_path: Path) -> None:
     )
     scene = load_scene(tmp_path / "scene.toml")
     assert [scene.rule_of_wheel(wheel) for wheel in scene.wheels] == ["roller", "ellipse"] * 2
-
-
-@pytest.mark.parametrize(
-    ("contacts", "rule", "key"),
-    [
-        (["box", None, None, None], "ellipse", "wheel[1].contact"),
-        ([None, "roller", None, None], "nearest", "contact.rule"),
-        ([None, "roller", None, None], "box", "contact.rule"),
-        (["box", "nearest", "box", "box"], "ellipse", "wheel[1].contact"),
-        ([None, "mixed", None, None], "ellipse", "wheel[2].contact"),
-        ([None, 3, None, None], "ellipse", "wheel[2].contact"),
-    ],
-)
-def test_rules_that_hold_for_a_whole_array_do_not_mix(contacts: list[Any], rule: str, key: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        array(contacts, rule)
-    assert str(caught.value).startswith(f"array: {key}: required ")
-    assert "\n" not in str(caught.value)
-
-
-def test_mixed_is_no_rule_that_a_scene_names() -> None:
-    with pytest.raises(SceneError, match=r"contact\.rule: required 'nearest', 'box', 'ellipse' or 'roller'"):
-        array([None] * 4, "mixed")
 
 
 # ---- commands ------------------------------------------------------------------------------------

@@ -151,25 +151,6 @@ def test_a_body_of_another_unit_than_its_wheels_is_told(tmp_path: Path) -> None:
     assert any("[body]" in remark for remark in load_scene(write(tmp_path, scene=SCENE + body)).field.remarks)
 
 
-@pytest.mark.parametrize(
-    ("check", "hint"),
-    [
-        ("equilibrium = [10000, 5000]", "[check]: equilibrium is 9900 mm away from wheel A1, and the wheels"),
-        ("radius = 40000", "[check]: radius is 40000 mm, and the wheels lie within 200.4 mm: are both in mm?"),
-        ("radius = 0.04", "[check]: radius is 0.04 mm, and the wheels lie within 200.4 mm: are both in mm?"),
-        ("equilibrium = [10, 5]\nradius = 1", None),
-    ],
-)
-def test_a_checked_square_of_another_unit_than_the_wheels_is_told(
-    tmp_path: Path, invoke: Invoke, check: str, hint: str | None
-) -> None:
-    """Above a refusal too; a small square that is meant is no cause for a hint."""
-    file = write(tmp_path, scene=f"{SCENE}[check]\n{check}\n")
-    said = [remark for remark in load_scene(file).field.remarks if "[check]" in remark]
-    assert [hint is not None and remark.startswith(hint) for remark in said] == [True] * bool(hint)
-    assert ("note: [check]" in invoke("partition", str(file)).out) == bool(hint)
-
-
 def test_writing_a_number_decides_nothing(tmp_path: Path) -> None:
     """Numbers of measured angles count decisions that rounding made: one more, and verdicts would be `undecided`."""
     angles = (206, -26.3, 26.1, 154.7)

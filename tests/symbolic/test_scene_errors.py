@@ -18,7 +18,7 @@ from flint import arb, ctx
 from nonsmooth.analysis.cells import box, nearest
 from nonsmooth.proofs import theorem4
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.output.console import BAD_INPUT, run
+from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.documents import MAX_NESTING, MAX_PARTS, toml_excess
 from nonsmooth.symbolic.files.scene_file import load_any, load_scene
 from nonsmooth.symbolic.files.scene_values import read_exact, read_start_angle
@@ -170,19 +170,6 @@ def test_shown(value: object, text: str) -> None:
 
 # ---- Messages that guess what was meant ----------------------------------------------------------
 
-SCENE = """
-name = "guess"
-[friction]
-mu_roll = 1
-{side} = 0.5
-[[wheel]]
-position = [1, 0]
-heading = "inward"
-speed = 1
-[contact]
-rule = "{rule}"
-"""
-
 
 def test_every_other_name_of_a_rule_is_one_of_ours() -> None:
     assert set(RULES.values()) <= set(CONTACT_RULES)
@@ -205,19 +192,6 @@ def test_every_other_name_of_a_rule_is_one_of_ours() -> None:
 )
 def test_what_is_meant(given: object, known: list[str], meant: str) -> None:
     assert is_meant(given, known) == meant
-
-
-@pytest.mark.parametrize(
-    ("side", "rule", "said"),
-    [("mu_syde", "nearest", "(is mu_side meant?)"), ("mu_side", "omni", "(is roller meant?)")],
-)
-def test_a_scene_is_refused_with_a_guess(
-    side: str, rule: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "guess.toml"
-    file.write_text(SCENE.format(side=side, rule=rule))
-    assert run(app, ["check", str(file)]) == BAD_INPUT
-    assert said in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

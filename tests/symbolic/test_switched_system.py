@@ -165,14 +165,6 @@ def test_formulas_are_tried_with_signs_that_occur_together(load: Load) -> None:
     assert len(system.surfaces()) == 1
 
 
-@pytest.mark.parametrize("guard", ["k*x > 0", "sin(x) > 0"])
-def test_other_guards_are_refused_where_they_stand(guard: str) -> None:
-    tables = [{"where": [guard], "rhs": ["-x"]}, {"rhs": ["-2*x"]}]
-    document = {"system": {"states": ["x"], "parameters": {"k": [1, 2]}}, "region": tables}
-    with pytest.raises(SceneError, match=r"region\[1\].where\[1\]: required a guard without interval"):
-        build_system(document, "t", Path("t"))
-
-
 def test_a_formula_may_take_several_lines() -> None:
     system = build_system({"system": {"states": ["x"], "rhs": ["-x\n - 2*x"]}}, "t", Path("t"))
     assert system.rhs[0].text == "-x  - 2*x"

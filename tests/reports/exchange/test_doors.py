@@ -21,7 +21,6 @@ import sympy as sp
 
 import nonsmooth as ns
 from nonsmooth.reports.exchange.obligations import obligations_of, smtlib_text
-from tests.reports.conftest import Invoke
 from tests.reports.exchange.exchanged import NAMES, points, system, values
 from tests.reports.exchange.provers import Kyx, kyx_problems, random_point, z3_answers
 from tests.thorough import but, few, keep
@@ -447,27 +446,6 @@ def test_the_reader_of_keymaera_x_reads() -> None:
     at = {name: json.loads("2") for name in ("z0", "z1")}
     assert Kyx("(z0 > 1) & (z1^2 = 4)\n -> ((2*z0 + (-1/2)*z1) = 3)", at).truth()
     assert not Kyx("!(z0 = z1) | (z0 + (-3) >= 0)", at).truth()
-
-
-# ---- the command ---------------------------------------------------------------------------------
-
-
-def test_the_command_writes_every_kind_and_refuses_in_one_line(invoke: Invoke) -> None:
-    for ending in (".smt2", ".kyx", ".py", ".c"):
-        done = invoke("export", "relay-oscillator-damped", "-o", f"relays{ending}")
-        assert (done.status, done.out) == (0, f"relays{ending}: relay-oscillator-damped, asymptotically stable\n")
-        assert "relay-oscillator-damped" in Path(f"relays{ending}").read_text(encoding="utf-8")
-    for arguments, message in {
-        ("four-wheel", "-o", "x.smt2"): "required a plain switched system",
-        ("escaping-slide", "-o", "x.smt2"): "the theorem departure, which rests on numbers",
-        ("relay-oscillator-damped", "--from", "0,0", "-o", "x.smt2"): "required no --from",
-        ("relay-oscillator-damped", "-o", "x.txt"): "ends in .xml, .smt2, .kyx, .py or .c",
-    }.items():
-        refused = invoke("export", *arguments)
-        assert refused.status == 2
-        assert message in refused.err
-        assert refused.err.count("\n") == 1
-        assert not Path("x.smt2").exists()
 
 
 # ---- tables --------------------------------------------------------------------------------------

@@ -149,30 +149,11 @@ def test_a_coordinate_that_is_counted_is_refused_with_its_name() -> None:
         find_path("wheel.1.position.1", document, "f")
 
 
-@pytest.mark.parametrize(
-    ("path", "near"),
-    [
-        ("mu_sid", "mu_side"),
-        ("wheel.1.headin", "wheel.1.heading"),
-        ("friction.mu_sides", "friction.mu_side"),
-        ("wheel.9.heading", "wheel.4.heading"),
-        ("name", ""),
-        ("contact.rule", ""),
-        ("x" * 10_000, ""),
-    ],
-)
-def test_an_unknown_path_is_refused_with_near_ones(path: str, near: str) -> None:
+def test_a_long_path_is_refused_in_a_short_line() -> None:
     document, file, _ = read_document("four-wheel")
     with pytest.raises(SceneError, match=r"^four-wheel: required the key path of a number, such as ") as refusal:
-        find_path(path, document, file)
-    assert near in str(refusal.value)
+        find_path("x" * 10_000, document, file)
     assert len(str(refusal.value)) < 250
-
-
-def test_a_key_of_two_tables_must_say_which() -> None:
-    document, file, _ = read_document("ring-6")
-    with pytest.raises(SceneError, match=r"such as ring\.radius or check\.radius, received 'radius'"):
-        find_path("radius", document, file)
 
 
 @given(st.fractions(max_denominator=50), st.fractions(min_value=0, max_denominator=50))
