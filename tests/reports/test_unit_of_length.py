@@ -392,7 +392,7 @@ def test_rings_with_irrational_and_measured_places(count: int, phase: Any, rule:
 
 # ---- Headings in whole degrees and positions in millimetres, through the command line: every check ends soon.
 #
-# The benchmarks hold the same at large (``tests/benchmarks/test_measured_speed.py``).
+# The benchmarks hold the same at large (``tests/benchmarks/test_at_large.py``).
 
 LONGEST = 10  # seconds of processor time
 
