@@ -41,6 +41,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.body_engine import inward_grid, with_random_body
 from tests.conftest import HALF, Arrays, WheelData
 from tests.oracles.floats import Floats
+from tests.oracles.small_steps import Contacts
 from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of, pushed_back, under
 from tests.thorough import keep, thorough
 
@@ -71,40 +72,31 @@ def path_of(scene: Scene, start: tuple[float, float, float], until: float) -> Tr
 class Motion(NamedTuple):
     """The motion on any wheels of an array, from the minimizer that begins anew, kept for each set of wheels."""
 
-    positions: Floats
-    rims: Floats
-    speeds: Floats
-    friction: Floats
+    contacts: Contacts
     minimizers: dict[frozenset[int], WarmMinimizer]
 
     @classmethod
     def of(cls, scene: Scene) -> Motion:
-        positions = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-        rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in scene.wheels])
-        speeds = np.array([float(wheel.speed) for wheel in scene.wheels])
-        friction = [[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels]
-        return cls(positions, rims, speeds, np.array(friction), {})
+        return cls(Contacts.of(scene), {})
 
-    def loads(self, wheels: list[int], centre: Floats) -> Floats:
-        """Springs of equal stiffness; those that pull are taken away one by one."""
-        pressed = list(wheels)
-        while True:
-            moments = np.vstack([np.ones(len(pressed)), self.positions[pressed].T])
-            forces, *_ = np.linalg.lstsq(moments, np.array([1.0, *centre]), rcond=None)
-            if forces.min() >= 0:
-                break
-            pressed.pop(int(np.argmin(forces)))
-        loads = np.zeros(len(self.positions))
-        loads[pressed] = forces
-        return loads[wheels]
+    @property
+    def positions(self) -> Floats:
+        return self.contacts.positions
 
     def rate(self, carrying: frozenset[int], pose: Floats) -> Floats:
         """``(c', theta')``."""
         wheels = sorted(carrying)
         if carrying not in self.minimizers:
-            contacts = (self.positions[wheels], self.rims[wheels], self.speeds[wheels], self.friction[wheels])
-            self.minimizers[carrying] = WarmMinimizer(ContactModel.build(*contacts))
-        twist = self.minimizers[carrying].minimize(self.loads(wheels, pose[:2]))
+            all_wheels = self.contacts
+            model = ContactModel.build(
+                all_wheels.positions[wheels],
+                all_wheels.rims[wheels],
+                all_wheels.speeds[wheels],
+                all_wheels.friction[wheels],
+            )
+            self.minimizers[carrying] = WarmMinimizer(model)
+        loads = self.contacts.loads(wheels, pose[:2])
+        twist = self.minimizers[carrying].minimize(np.array([loads.get(wheel, 0.0) for wheel in wheels]))
         assert twist is not None
         v, omega = twist[:2], twist[2]
         return np.array([v[0] - omega * pose[1], v[1] + omega * pose[0], omega])
