@@ -41,7 +41,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.body_engine import inward_grid, with_random_body
 from tests.conftest import HALF, Arrays, WheelData
 from tests.oracles.floats import Floats
-from tests.oracles.small_steps import Contacts
+from tests.oracles.wheels_in_floats import Contacts, pose_rate
 from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of, pushed_back, under
 from tests.thorough import keep, thorough
 
@@ -87,19 +87,11 @@ class Motion(NamedTuple):
         """``(c', theta')``."""
         wheels = sorted(carrying)
         if carrying not in self.minimizers:
-            all_wheels = self.contacts
-            model = ContactModel.build(
-                all_wheels.positions[wheels],
-                all_wheels.rims[wheels],
-                all_wheels.speeds[wheels],
-                all_wheels.friction[wheels],
-            )
-            self.minimizers[carrying] = WarmMinimizer(model)
+            self.minimizers[carrying] = WarmMinimizer(self.contacts.model(wheels))
         loads = self.contacts.loads(wheels, pose[:2])
         twist = self.minimizers[carrying].minimize(np.array([loads.get(wheel, 0.0) for wheel in wheels]))
         assert twist is not None
-        v, omega = twist[:2], twist[2]
-        return np.array([v[0] - omega * pose[1], v[1] + omega * pose[0], omega])
+        return pose_rate(twist, pose[:2])
 
 
 class Reference(NamedTuple):

@@ -9,7 +9,7 @@ from nonsmooth.analysis.cells.loads import LoadRegion, value_at
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.floats import Floats
-from tests.oracles.small_steps import Contacts
+from tests.oracles.wheels_in_floats import Contacts
 
 ROUNDING = 1e-18  # of squared slips, so that the sum has slopes everywhere
 NELDER_MEAD = ({"xatol": 1e-11, "fatol": 1e-15, "maxiter": 20_000}, {"xatol": 1e-12, "fatol": 1e-16, "maxiter": 20_000})

@@ -37,6 +37,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays, WheelData
 from tests.four_wheel import CORNERS
 from tests.oracles.floats import Floats
+from tests.oracles.wheels_in_floats import places_of
 from tests.proofs.test_feedback import input_matrix
 from tests.thorough import few, keep
 
@@ -283,7 +284,7 @@ def sampled_level(feedback: FeedbackResult, scene: Scene) -> float:
     polygons = [np.array([[float(x) for x in v] for v in data.cell.polygon.vertices]) for data in feedback.cells]
     size = max(np.abs(polygon).max() for polygon in polygons)
     corners = size * np.array([[1.0, 1], [-1, 1], [-1, -1], [1, -1]])
-    wheels = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    wheels = places_of(scene)
     borders = [corners, wheels[ConvexHull(wheels).vertices]]
     for data, polygon in zip(feedback.cells, polygons, strict=True):
         touches = np.abs(polygon @ shape @ [float(x) for x in data.nearest.direction])

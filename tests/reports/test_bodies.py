@@ -29,6 +29,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.mechanics.scene import LoopErrors
+from tests.oracles.wheels_in_floats import places_of
 from tests.outlined import polygon_depths
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
@@ -315,7 +316,7 @@ def first_change(path: Trajectory) -> float:
     scene = load_scene("carton-on-6x6")
     assert scene.body is not None
     corners = np.array([[float(x) for x in corner] for corner in scene.body.vertices])
-    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    places = places_of(scene)
     first = polygon_depths(corners, places, np.array(path.at(0.0))) > 0
     for time in np.linspace(0.0, 2.0, LOOKS):
         if ((polygon_depths(corners, places, np.array(path.at(time))) > 0) != first).any():

@@ -47,7 +47,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays
 from tests.oracles.floats import Floats
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
-from tests.oracles.small_steps import Contacts
+from tests.oracles.wheels_in_floats import Contacts
 from tests.thorough import few, keep, thorough
 
 # ---- Where bodies go from all over the square: exact places beside sampled shares ----------------
