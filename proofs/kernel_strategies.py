@@ -19,7 +19,8 @@ from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
 from nonsmooth.proofs.findings import Fact, Record, Translation, function_facts, row_fact
 from nonsmooth.proofs.inequalities.subdivision import shared_effort
 from nonsmooth.proofs.kernel.bases import quadratic_text
-from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text, signed_roots_of
+from nonsmooth.proofs.kernel.kept_energies import find_by_next_terms
+from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text, signed_roots_of
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, cube_text
@@ -133,9 +134,14 @@ def decide_by_squares(point: CheckedPoint) -> Finding | None:
     stated = space.examine(point.system.check.lyapunov, point.system.check.radius, Effort.STRICT)
     for found in (stated, find_lyapunov(space.system)):
         if found is not None and found.decrease is Decrease.STRICT:
-            function = _of_point(point, found)
-            return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
+            return _falling(point, found)
     return None
+
+
+def _falling(point: CheckedPoint, found: ExaminedLyapunov) -> Finding:
+    """What a V shows that falls along every solution."""
+    function = _of_point(point, found)
+    return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
 
 
 def decide_by_quotient(point: CheckedPoint) -> Finding | None:
@@ -153,9 +159,21 @@ def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
     return _of_entry(point, found and found[0])
 
 
-def decide_by_weights(point: CheckedPoint) -> Finding | None:
-    """A V with terms of higher weight beside an energy, which to first order is kept."""
-    found = find_weighted_function(with_known_numbers(point.system))
+def decide_by_kept_energy(point: CheckedPoint) -> Finding | None:
+    """An energy that the first terms of the field keep, with further terms that decide.
+
+    Where its conditions are shown again by what regions and rates need, these follow from it.
+    """
+    from nonsmooth.proofs.many_states.decision import SpacePoint
+
+    space = SpacePoint(point.system)
+    found = find_by_next_terms(space.system)
+    if found is not None and found[0]["theorem"] != "instability":
+        hypotheses = found[0]["hypotheses"]
+        formula, within = parse_piecewise(hypotheses["function"], point.system.states), hypotheses["cells"]["within"]
+        examined = space.examine(formula, point.system.field(Fraction(within)), Effort.STRICT)
+        if examined is not None and examined.decrease is Decrease.STRICT:
+            return _falling(point, examined)
     return _of_entry(point, found and found[0])
 
 

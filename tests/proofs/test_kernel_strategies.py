@@ -26,7 +26,7 @@ from nonsmooth.proofs.kernel import simplices
 from nonsmooth.proofs.kernel.quotients import find_quotient, proposed
 from nonsmooth.proofs.kernel.search import decide_claim
 from nonsmooth.proofs.kernel.subject import about
-from nonsmooth.proofs.kernel_strategies import decide_by_quotient, decide_by_weights
+from nonsmooth.proofs.kernel_strategies import decide_by_kept_energy, decide_by_quotient
 from nonsmooth.proofs.many_states.lyapunov_search import find_growing_product
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.system_decision import StabilityResult, checked_point, decide_system
@@ -401,7 +401,7 @@ def half_turns(force: Force, y: float = 0.3, step: float = 1e-4) -> list[float]:
 
 def verdict_by_weights(force: str) -> str:
     """What terms of higher weight say, and nothing else."""
-    found = decide_by_weights(checked_point(ns.System(["x", "y"], ["y", force]).system))
+    found = decide_by_kept_energy(checked_point(ns.System(["x", "y"], ["y", force]).system))
     return "nothing" if found is None else str(found.verdict)
 
 
