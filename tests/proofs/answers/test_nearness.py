@@ -107,16 +107,10 @@ def undecided_though_near(seeds: range, folder: Path) -> tuple[int, int]:
     return near, open_ones
 
 
-def test_few_measured_tables_are_left_open(tmp_path: Path) -> None:
-    near, open_ones = undecided_though_near(range(1), tmp_path)
-    assert near >= 2
-    assert open_ones <= near / 10
-
-
-@thorough  # test_few_measured_tables_are_left_open is the small one
-def test_few_of_many_measured_tables_are_left_open(tmp_path: Path) -> None:
-    near, open_ones = undecided_though_near(range(40), tmp_path)
-    assert near >= 40
+@pytest.mark.parametrize(("tables", "least"), keep(1, [(1, 2), (40, 40)]))
+def test_few_measured_tables_are_left_open(tables: int, least: int, tmp_path: Path) -> None:
+    near, open_ones = undecided_though_near(range(tables), tmp_path)
+    assert near >= least
     assert open_ones <= near / 10
 
 
