@@ -157,20 +157,6 @@ def test_an_array_of_its_own_is_numbered_anew(tmp_path: Path) -> None:
     assert standing(own) == own == alone(own)
 
 
-@pytest.mark.parametrize(
-    ("text", "key"),
-    [
-        ("heading = true\n", "body.heading"),
-        ("centre_of_mass = [1.3, 0]\n", "body.centre_of_mass"),
-        ("centre_of_mass = [1, 2, 3]\n", "body.centre_of_mass"),
-        ("mass = 2\n", "body.mass"),
-    ],
-)
-def test_bad_bodies(text: str, key: str, tmp_path: Path) -> None:
-    with pytest.raises(SceneError, match=f"{key}: required"):
-        scene_of(tmp_path, BOX + text)
-
-
 def test_polygons_with_a_corner_that_turns_inward(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match=r"body.vertices: required a convex polygon"):
         scene_of(tmp_path, '[body]\nshape = "polygon"\nvertices = [[0, 0], [2, 0], [2, 2], [1, 0.5], [0, 2]]\n')
