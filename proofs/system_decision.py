@@ -225,9 +225,10 @@ def _open(point: CheckedPoint) -> Finding:
 
 
 def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
-    """Whether 0 is in F: it is where solutions stay near."""
-    stays = verdict in (Translation.STABLE, Translation.ASYMPTOTICALLY_STABLE)
-    return Equilibrium.HOLDS if stays else point.equilibrium
+    """Whether 0 is in F: it is where solutions stay near; where denominators are zero there nothing else tells."""
+    if verdict in (Translation.STABLE, Translation.ASYMPTOTICALLY_STABLE):
+        return Equilibrium.HOLDS
+    return Equilibrium.UNDECIDED if point.system.vanishing else point.equilibrium
 
 
 UNCOVERED = "not every solution crosses where the root of a state is zero: what is proved of the roots says nothing"
@@ -263,9 +264,14 @@ def decide_by_cascade(point: CheckedPoint) -> Finding | None:
 
 
 def _blocks(point: CheckedPoint, *, jumping: bool) -> list[CascadeBlock]:
-    """The blocks of a cascade; none where formulas cannot be used with other states at the point."""
+    """The blocks of a cascade; none where formulas cannot be used with other states at the point.
+
+    A field with a denominator that is zero at the point is not continuous there in any state, as theorems on parts ask.
+    """
     from nonsmooth.proofs.parts import cascade
 
+    if point.system.vanishing:
+        return []
     try:
         return list(cascade(point.system, jumping=jumping))
     except (SceneError, ExpressionError):

@@ -156,9 +156,8 @@ def rewriting_words(system: SwitchedSystem, *, in_time_of_states: bool = False) 
         roots = system.by_roots.roots
         said.append(f"with {' and '.join(roots.meanings)}, in a time that passes {roots.time_scale} times slower")
     if system.scale is not None:
-        said.append(
-            f"multiplied by {written(tidied(system.scale.tree))}, which is positive on the square: other speeds"
-        )
+        where = "on the square but at the point" if system.vanishing else "on the square"
+        said.append(f"multiplied by {written(tidied(system.scale.tree))}, which is positive {where}: other speeds")
     enclosed = []
     if system.waves:
         kinds = kinds_text(system.waves)

@@ -44,6 +44,7 @@ from tests.engine_commands import (
     twist_of_command,
     write_scene,
 )
+from tests.oracles.wheels_in_floats import places_of
 from tests.roller_engine import random_array as random_rollers
 from tests.roller_engine import settled_twist
 
@@ -135,7 +136,7 @@ def deflection(scene: Scene, *, time_constant: float = 0.01) -> float:
     x, y = (float(entry) for entry in scene.check.equilibrium)
     plate = plate_engine(scene, (x, y, 0.0), SLOW, time_constant=time_constant)
     plate.step(SETTLING)
-    places = np.array([[float(entry) for entry in wheel.position] for wheel in scene.wheels])
+    places = places_of(scene)
     lean = plate.data.qpos[4:6] * 2  # of a small tilt: about x and about y
     sinks = THICK - plate.data.qpos[2] + lean[1] * (places[:, 0] - x) - lean[0] * (places[:, 1] - y)
     return float(np.mean(sinks))

@@ -84,6 +84,14 @@ def test_a_refusal_is_one_line_with_status_2_and_nothing_else(section: str) -> N
             assert ", received " in line, row.line
 
 
+def test_what_python_refuses_is_one_line() -> None:
+    for row in (row for row in rows() if row.section == "refused-in-python"):
+        line = expected()[row.line]["raised"]
+        assert line.isprintable(), row.line
+        assert re.fullmatch(r"(Scene|Value|Type|Design|Sweep|Output)Error: .*required .*", line), row.line
+        assert len(line) <= LONGEST_LINE, row.line
+
+
 # ---- planted changes -----------------------------------------------------------------------------
 
 CHECK = "check four-wheel --json"

@@ -26,7 +26,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -131,6 +131,11 @@ class _State:
         self.mean_times, self.anchor_times = np.zeros(count), np.zeros(count)
 
     @property
+    def shortest(self) -> float:
+        """The shortest step but in layers."""
+        return self.longest / 2**HALVINGS
+
+    @property
     def going(self) -> Indices:
         """The numbers of the paths that have not ended."""
         return np.flatnonzero(self.reasons < 0)
@@ -138,6 +143,30 @@ class _State:
     def end(self, paths: Indices, reason: BodyEnd) -> None:
         """Note why these paths end."""
         self.reasons[paths] = ENDS.index(reason)
+
+
+class _Seen(NamedTuple):
+    """What the last windows of steps show of the paths that go on.
+
+    Attributes:
+        paths: their numbers.
+        rates: of their means.
+        drift: the speeds of these, of the fastest wheel's; not numbers where none is known yet.
+        short: whether steps are the shortest.
+        waits: whether means all but rest with these.
+        full: whether they do so for enough windows to tell.
+        wanders: whether poses go farther within a window than their mean does.
+        near: whether they keep as near each other as those of a body at rest.
+    """
+
+    paths: Indices
+    rates: Floats
+    drift: Floats
+    short: Mask
+    waits: Mask
+    full: Mask
+    wanders: Mask
+    near: Mask
 
 
 class ManyPaths:
@@ -190,14 +219,14 @@ class ManyPaths:
                 reached = float(state.times[going].min()) if len(going) else last
                 report(len(starts) - len(going), len(starts), f"t = {reached:.3g} of {last:.3g}")
         state.end(state.going, BodyEnd.LOST)
-        self._end_slow(state, longest)
+        self._end_slow(state)
         over = self._numbers[state.over]
         return BodyEnds(starts, state.poses, state.times, state.reasons, over, state.turning, last)
 
-    def _end_slow(self, state: _State, longest: float) -> None:
+    def _end_slow(self, state: _State) -> None:
         """Bodies that all but rest at the last time, and moved on slowly before, rest: since when they all but did."""
         late = (state.reasons == ENDS.index(BodyEnd.TIME)) & ~np.isnan(state.rested)
-        slow = late & self._keeps_near(state.extents, longest)
+        slow = late & self._keeps_near(state.extents, state.shortest)
         state.end(np.flatnonzero(slow), BodyEnd.REST)
         state.times[slow] = state.rested[slow]
 
@@ -272,32 +301,45 @@ class ManyPaths:
         Returns:
             Those which all but rest and drift smoothly, and their mean rates.
         """
-        paths, shortest = state.going, state.longest / 2**HALVINGS
-        spans = state.mean_times[paths] - state.anchor_times[paths]
-        rates = (state.means[paths] - state.anchors[paths]) / spans[:, None]
-        state.turning[paths] = rates[:, 2]
-        drift = self._distance(rates) / (self._fastest or 1.0)
-        short = state.steps[paths] <= shortest * 1.001
-        waits = short & (drift < SLOW)
-        full = waits & (state.quiet[paths] >= np.where(np.isnan(state.rested[paths]), WINDOWS, 1))
-        extents, fastest = self._distance(state.extents[paths]), self._fastest or 1.0
-        rests = full & (drift < RESTS) & self._keeps_near(state.extents[paths], state.longest)
-        # who goes to and fro goes farther within a window than its mean does, and needs the shortest steps
-        ways = DRIFTS * drift * fastest * WINDOW * state.steps[paths]
-        state.drifts[paths[full & (drift >= RESTS) & (extents <= ways)]] = True
-        state.drifts[paths[(drift < RESTS) | (extents > ways)]] = False
-        state.rested[paths[drift >= RESTS]] = np.nan
-        is_near = drift * (last - state.times[paths]) < shortest  # who would not go a shortest step by the last time
-        still = rests & (is_near | (extents > ways) | (state.leaps[paths] >= LEAPS) | (self._turning == 0))
+        seen = self._seen(state)
+        paths, rests = seen.paths, seen.full & (seen.drift < RESTS) & seen.near
+        state.turning[paths] = seen.rates[:, 2]
+        state.drifts[paths[seen.full & (seen.drift >= RESTS) & ~seen.wanders]] = True
+        state.drifts[paths[(seen.drift < RESTS) | seen.wanders]] = False
+        state.rested[paths[seen.drift >= RESTS]] = np.nan
+        still = rests & (seen.wanders | self._goes_no_farther(state, seen, last))
         state.poses[paths[still]] = state.means[paths[still]]
         state.end(paths[still], BodyEnd.REST)
-        state.quiet[paths] = np.where(waits & ~full, state.quiet[paths] + 1, 0)
-        again = ~waits | full
+        self._count_windows(state, seen)
+        self._choose_steps(state, paths, seen.drift)
+        return paths[rests & ~still], seen.rates[rests & ~still]
+
+    def _seen(self, state: _State) -> _Seen:
+        """What the last windows show."""
+        paths = state.going
+        spans = state.mean_times[paths] - state.anchor_times[paths]
+        rates = (state.means[paths] - state.anchors[paths]) / spans[:, None]
+        fastest, extents = self._fastest or 1.0, state.extents[paths]
+        drift = self._distance(rates) / fastest
+        short = state.steps[paths] <= state.shortest * 1.001
+        waits = short & (drift < SLOW)
+        full = waits & (state.quiet[paths] >= np.where(np.isnan(state.rested[paths]), WINDOWS, 1))
+        # who goes to and fro goes farther within a window than its mean does, and needs the shortest steps
+        wanders = self._distance(extents) > DRIFTS * drift * fastest * WINDOW * state.steps[paths]
+        return _Seen(paths, rates, drift, short, waits, full, wanders, self._keeps_near(extents, state.shortest))
+
+    def _goes_no_farther(self, state: _State, seen: _Seen, last: float) -> Mask:
+        """Who would not go a shortest step by the last time, has leapt often, or of whom the place alone is asked."""
+        is_near = seen.drift * (last - state.times[seen.paths]) < state.shortest
+        return np.asarray(is_near | (state.leaps[seen.paths] >= LEAPS) | (self._turning == 0))
+
+    def _count_windows(self, state: _State, seen: _Seen) -> None:
+        """Go on counting windows of those that wait; the others' means are compared with the last one from now on."""
+        paths, again = seen.paths, ~seen.waits | seen.full
+        state.quiet[paths] = np.where(again, 0, state.quiet[paths] + 1)
+        state.quiet[paths[again & seen.short]] = 1
         state.anchors[paths[again]] = state.means[paths[again]]
         state.anchor_times[paths[again]] = state.mean_times[paths[again]]
-        state.quiet[paths[again & short]] = 1
-        self._choose_steps(state, paths, drift)
-        return paths[rests & ~still], rates[rests & ~still]
 
     def _leap(self, state: _State, field: ManyRates, paths: Indices, rates: Floats, last: float) -> None:
         """Move paths far ahead by their mean rates, to the next edge at most, as if these died out evenly.
@@ -336,7 +378,7 @@ class ManyPaths:
 
     def _choose_steps(self, state: _State, paths: Indices, drift: Floats) -> None:
         """Shorten and lengthen the steps of paths whose means move at these speeds, not numbers where not known yet."""
-        longest, shortest, drifts = state.longest, state.longest / 2**HALVINGS, state.drifts[paths]
+        longest, shortest, drifts = state.longest, state.shortest, state.drifts[paths]
         state.slow[paths] = np.where(np.isnan(drift), state.slow[paths], drift < SLOW)
         slower = paths[(drift < SLOW) & (state.steps[paths] > shortest * 1.001) & ~drifts]
         state.steps[slower] /= 2
@@ -348,9 +390,9 @@ class ManyPaths:
         state.turned_back[paths] = False
         state.at_jump[paths] = np.maximum(state.at_jump[paths] - 1, 0)
 
-    def _keeps_near(self, extents: Floats, longest: float) -> Mask:
+    def _keeps_near(self, extents: Floats, shortest: float) -> Mask:
         """Whether poses that differ so much within a window go to and fro by no more than a body at rest may."""
-        return np.asarray(self._distance(extents) < CHATTER * longest / 2**HALVINGS * (self._fastest or 1.0))
+        return np.asarray(self._distance(extents) < CHATTER * shortest * (self._fastest or 1.0))
 
     def _distance(self, differences: Floats) -> Floats:
         """Sizes of differences of poses, as lengths; of places alone under a rule that leaves headings at rest open."""

@@ -24,10 +24,12 @@ import numpy as np
 from nonsmooth.analysis.bodies.set_motion import ContactSets, TippedError
 from nonsmooth.analysis.cells.contact_rule import has_cells, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
+from nonsmooth.analysis.minimizers.float_loads import FLOATS
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
+from nonsmooth.symbolic.mechanics.springs import MeasuredTable
 from nonsmooth.symbolic.messages.under_way import tell_count
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norm, norms, turned
 
@@ -125,7 +127,10 @@ def drawn_model(scene: Scene, box: Tolerance, generator: np.random.Generator) ->
             side=wheel.friction.side * (1 + box.mu_side * Fraction(side, SHARES)),
         )
         sets.append(rule.friction_set(friction))
-    rounded = float_sets(sets)
+    rounded, loads = float_sets(sets), scene.contact.loads
+    if isinstance(loads, MeasuredTable) and model.load_table is not None:
+        forms = loads.under([(1.0, x, y) for x, y in positions.tolist()], FLOATS)
+        model = replace(model, load_table=None if forms is None else np.array(forms))
     return replace(
         model,
         rows=np.concatenate([frames, moments], axis=2).reshape(-1, 3),

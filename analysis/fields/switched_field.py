@@ -56,6 +56,10 @@ class Surface:
         return found
 
 
+class NoVelocityError(RuntimeError):
+    """A place at which a field has no value."""
+
+
 class ScalarVelocity:
     """A velocity that does not depend on time, in single floats: arrays of few states cost several times as much.
 

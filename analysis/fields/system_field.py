@@ -19,6 +19,7 @@ from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import (
     SURFACE_SLACK,
     AffineVelocity,
+    NoVelocityError,
     ScalarVelocity,
     Surface,
     Velocity,
@@ -109,6 +110,8 @@ def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynom
 
     def divided(*x: float) -> Numbers:
         (factor,) = scale(*x)
+        if not factor and not any(rates(*x)):
+            raise NoVelocityError("the field has no value at the checked point, where a denominator is zero")
         return tuple([value / factor if factor else value * inf for value in rates(*x)])
 
     return ScalarVelocity(divided)

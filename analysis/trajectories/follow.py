@@ -24,6 +24,7 @@ from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.fields.switched_field import NoVelocityError
 from nonsmooth.analysis.trajectories.result import (
     End,
     EndReason,
@@ -514,6 +515,11 @@ def follow(field: HybridField, start: tuple[Any, Any], until: Any, stepper: Step
                 raise
             path.reason, path.note = EndReason.UNPROVED, str(error)
             return path
+        except NoVelocityError as error:
+            if not path.stretches:
+                raise TrajectoryError(str(error)) from error
+            path.reason, path.note = EndReason.UNPROVED, str(error)
+            return path
         if isinstance(mode, EndReason):
             path.reason = mode
             return path
@@ -540,6 +546,9 @@ def _stretch(
     while True:
         try:
             step = next(steps, None)
+        except NoVelocityError as error:
+            path.note = str(error)
+            return stretch, None, EndReason.UNPROVED
         except TrajectoryError as error:
             if field.keeps_beginnings and stretch.times[-1] > 0:
                 path.note = str(error)

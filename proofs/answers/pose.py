@@ -26,6 +26,7 @@ from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 
+NEARBY = "from close by (how near is not known)"
 DIGITS = 4  # of an error
 ROOTS = 10**9  # roots are rounded down to its parts
 
@@ -84,9 +85,16 @@ def _rate(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
 
 
 def _from_where(found: AnyFeedback, scene: Scene) -> str:
-    """From which errors the rate is certified: those below the root of a level of V, where one is known."""
-    if not isinstance(found, FeedbackResult) or (level := found.rate_level) is None:
-        return "from close by (how near is not known)"
+    """From which errors the rate is certified: those below the root of a level of V, where one is known.
+
+    Of imposed twists that is the level that fits into the square in which speeds impose them.
+    """
+    if not isinstance(found, FeedbackResult):
+        reach = found.reach
+        return NEARBY if reach is None else f"from errors below {lower_text(reach, DIGITS)}{scene.units.after_length}"
+    level = found.rate_level
+    if level is None:
+        return NEARBY
     text = f"from errors below {_root_text(level, scene)}"
     whole = found.region.level if isinstance(found.region, LevelRegion) else level
     return (

@@ -35,7 +35,7 @@ from nonsmooth.symbolic.mechanics.contact_states import inner
 from nonsmooth.symbolic.mechanics.friction_set import Box, float_sets, joined
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.springs import load_model
+from nonsmooth.symbolic.mechanics.springs import MeasuredTable, load_model
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import (
@@ -397,6 +397,8 @@ class LoadBox:
 def load_box(scene: Scene, step: arb, carrying: Sequence[int] | None = None) -> LoadBox | None:
     """Loads of a scene whose positions may be off by ``step``; None where the springs do not fix them.
 
+    Measured loads balance at their own centre, ``sum N_i p_i``, which is off with the wheels.
+
     Args:
         scene: the array.
         step: tolerance of each coordinate.
@@ -404,7 +406,11 @@ def load_box(scene: Scene, step: arb, carrying: Sequence[int] | None = None) -> 
     """
     off = step * arb(0, 1)
     moments = [(arb(1), x.ball() + off, y.ball() + off) for x, y in scene.positions]
-    forms = load_model(scene).forms(moments, range(len(moments)) if carrying is None else carrying, BALLS)
+    model = load_model(scene)
+    if isinstance(model, MeasuredTable) and step != 0:
+        forms = model.under(moments, BALLS)
+    else:
+        forms = model.forms(moments, range(len(moments)) if carrying is None else carrying, BALLS)
     return None if forms is None else LoadBox(tuple(forms))
 
 

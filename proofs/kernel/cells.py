@@ -36,10 +36,10 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError, about, polynomia
 from nonsmooth.proofs.kernel.written import as_checked, written_number
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import prove_positive
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, parse_piecewise
 from nonsmooth.symbolic.formulas.surfaces import factorize, switching_factors
-from nonsmooth.symbolic.formulas.trees import ExpressionError
-from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.formulas.trees import ExpressionError, float_value, minus, multiplied, number, plus, written
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values
@@ -487,22 +487,44 @@ def _is_shown(stated: StatedCells, mark: str, subject: System, search: Search) -
 
 # ---- denominators: proved positive on the checked cube before anything is decided there ----------
 #
-# Then the field times them has the same paths, at other speeds.  For what is said of the whole space they must be
-# positive there.
+# One may be zero at the point alone.  Then ``|f_k| < C d`` is proved too for every right-hand side ``f_k/d``: where it
+# is not bounded beside the point, nothing says how solutions go on from there.
 
 
 def require_denominators(system: SwitchedSystem) -> None:
     """Refuse denominators that are not proved positive on the checked cube, in two states a square.
 
     Raises:
-        SceneError: for such a denominator.
+        SceneError: for such a denominator, and for right-hand sides that are not proved to be bounded beside the point.
     """
-    in_plane, radius = system.is_planar, system.check.radius
-    where = "square" if in_plane else "cube"
+    where = "square" if system.is_planar else "cube"
     for formula in system.denominators:
-        if not (_is_positive_on_square(system, formula) if in_plane else _is_positive(system, formula, radius)):
+        if not _is_positive(system, formula, system.check.radius):
             expected = f"a denominator that is proved not to vanish on the checked {where} (a smaller check.radius?)"
             raise SceneError(system.origin, "system.rhs", expected, formula.text)
+    stated = system if system.by_roots is None else system.by_roots.unscaled
+    if system.vanishing and not all(_is_bounded(member, side) for member in stated.members for side in member.rhs):
+        received = StatedFact(f"{system.vanishing[0].text} in a denominator, which is zero there")
+        raise SceneError(
+            system.origin, "system.rhs", "right-hand sides that are proved bounded beside the point", received
+        )
+
+
+def _is_bounded(system: SwitchedSystem, side: PiecewiseExpression) -> bool:
+    """Whether a right-hand side over the common denominator is bounded on the checked cube; floats propose by what."""
+    scale, half = system.scale, system.check.half_width
+    if scale is None:
+        return True
+    points = np.array(system.check.place) + half * sample_points(len(system.states), bounded=True)
+    named = [dict(zip(system.states, map(float, own), strict=True)) for own in points]
+    sizes = [(abs(float_value(side.tree, own, side.text)), float_value(scale.tree, own, scale.text)) for own in named]
+    ratios = [top / bottom for top, bottom in sizes if bottom > 0]
+    if not ratios or not np.isfinite(max(ratios)):
+        return False
+    most = number(2 * (1 + int(max(ratios))))
+    bounds = (plus(multiplied(most, scale.tree), sign(side.tree)) for sign in (minus, lambda tree: tree))
+    parsed = (parse_piecewise(written(own), system.states) for own in bounds)
+    return all(_is_positive(system, own, system.check.radius) for own in parsed)
 
 
 def are_positive_everywhere(system: SwitchedSystem) -> bool:
@@ -510,7 +532,7 @@ def are_positive_everywhere(system: SwitchedSystem) -> bool:
     return all(_is_positive(system, formula, None) for formula in system.denominators)
 
 
-def _is_positive_on_square(system: SwitchedSystem, formula: PiecewiseExpression) -> bool:
+def _is_positive_on_square(system: SwitchedSystem, formula: PiecewiseExpression, *, except_origin: bool) -> bool:
     values = system.named(system.displaced(PLANE))
 
     def evaluate(sign_of: SignOf) -> Polynomial:
@@ -520,12 +542,16 @@ def _is_positive_on_square(system: SwitchedSystem, formula: PiecewiseExpression)
         pieces = list(smooth_pieces(square_regions(system.check.radius), evaluate))
     except (TooManyCells, ExpressionError):
         return False
-    return all(isinstance(prove(Sense.POSITIVE, piece, region), Proof) for region, piece in pieces)
+    proved = (prove(Sense.POSITIVE, piece, region, except_origin=except_origin) for region, piece in pieces)
+    return all(isinstance(own, Proof) for own in proved)
 
 
 def _is_positive(system: SwitchedSystem, formula: PiecewiseExpression, radius: Number | None) -> bool:
-    """On the cube of a half-width, or in the whole space."""
+    """On the cube of a half-width, or in the whole space; but at the checked point where it is zero there."""
     states, count = system.displaced(system.states), len(system.states)
+    vanishes = bool(replace(system, denominators=(formula,)).vanishing)
+    if system.is_planar and radius is not None:
+        return _is_positive_on_square(system, formula, except_origin=vanishes)
     asked = SwitchedSystem(system.name, system.field, system.states, (formula,), system.check, system.source)
     surfaces = tuple(s for s in asked.surfaces(states) if s.degree)
     bounds = () if radius is None else tuple({unit(count, k): fmpq(1)} for k in range(count))
@@ -534,7 +560,7 @@ def _is_positive(system: SwitchedSystem, formula: PiecewiseExpression, radius: N
         for signs in patterns(surfaces, radius):
             (piece,) = asked.velocity(signs_by_factors(dict(zip(surfaces, signs, strict=True))), states)
             guards = tuple(scaled(rational_terms(s * e), rho) for s, e in zip(surfaces, signs, strict=True))
-            condition = Condition(scaled(rational_terms(piece), rho), {}, guards, bounds, count, at_origin=True)
+            condition = Condition(scaled(rational_terms(piece), rho), {}, guards, bounds, count, at_origin=not vanishes)
             if prove_positive(condition) is None:
                 return False
     except BeyondReachError:

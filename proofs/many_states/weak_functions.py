@@ -212,7 +212,7 @@ def _bent_lines(system: SwitchedSystem) -> Iterator[str]:
             if isinstance(call, ast.Call) and len(call.args) == 1:
                 inner = replace(part, tree=call.args[0])
                 if inner.switching_parts:
-                    yield ast.unparse(inner.tree)
+                    yield written(inner.tree)
 
 
 def near_planes(place: Face) -> Floats:

@@ -226,7 +226,10 @@ def lyapunov_matrix(slope: Floats) -> Floats | None:
         return None
     one = np.eye(2)
     system = np.kron(one, slope.T) + np.kron(slope.T, one)
-    return np.asarray(np.linalg.solve(system, -one.ravel()).reshape(2, 2))
+    try:
+        return np.asarray(np.linalg.solve(system, -one.ravel()).reshape(2, 2))
+    except np.linalg.LinAlgError:  # a shear, whose modes are rounding alone
+        return None
 
 
 def short_levels(levels: Floats, bits: int = BITS) -> Floats:

@@ -8,9 +8,8 @@ says so (``decimals=True``): then it is one tenth.
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -19,7 +18,7 @@ from numbers import Integral, Rational, Real
 from typing import Any
 
 from nonsmooth.symbolic.formulas.formula_text import in_parentheses
-from nonsmooth.symbolic.formulas.trees import MAX_TEXT
+from nonsmooth.symbolic.formulas.trees import MAX_TEXT, ExpressionError, formula_tree, tidied, written
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 
@@ -113,11 +112,8 @@ def fraction_text(value: Fraction) -> str:
     return str(value) if value >= 0 and value.denominator == 1 else f"({value})"
 
 
-def without_parentheses(text: str) -> str:
-    """The formula without parentheses that say nothing; as it is where it holds decimals, which stay as written."""
-    try:
-        tree = ast.parse(text.strip(), mode="eval")
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return text  # for the parser of formulas to refuse
-    decimals = any(isinstance(node, ast.Constant) and not isinstance(node.value, int) for node in ast.walk(tree))
-    return text if decimals else ast.unparse(tree)
+def tidy_formula(text: str) -> str:
+    """The formula without what says nothing; what is none stays, for the parser of formulas to refuse."""
+    with suppress(ExpressionError):
+        return written(tidied(formula_tree(text)))
+    return text

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
-from nonsmooth.reports.exchange.reading import Reading, without_parentheses
+from nonsmooth.reports.exchange.reading import Reading, tidy_formula
 from nonsmooth.reports.interface.scene import PythonScene
 from nonsmooth.reports.output.entries import entry, table
 from nonsmooth.reports.simulations.simulate_options import PATH, UNTIL, SimulateOptions
@@ -260,9 +260,7 @@ class System(PythonScene):
     @classmethod
     def _of_formulas(cls, states: Sequence[str], rhs: Sequence[Any], **more: Any) -> Self:
         """The system of formulas that a door has written, with fewer parentheses."""
-        plain = [
-            without_parentheses(side) if isinstance(side, str) else list(map(without_parentheses, side)) for side in rhs
-        ]
+        plain = [tidy_formula(side) if isinstance(side, str) else list(map(tidy_formula, side)) for side in rhs]
         return cls(states, plain, **more)
 
     def _set(self, document: Mapping[str, Any]) -> None:

@@ -278,6 +278,12 @@ def _middle(part: BorderPart) -> Point:
 
 def point_section(subject: SystemSubject) -> Section:
     """Whether the checked point is an equilibrium: 0 in the hull of the fields of all cells that hold it."""
+    if subject.scene.vanishing:
+        said = paragraph(
+            "The stated field has no value at the checked point, where a denominator is zero, and is bounded beside "
+            "it. Whether the point is an equilibrium the verdict alone tells: where solutions stay near it, it is one."
+        )
+        return Section("The checked point", (said,))
     values = [point(value) for value in subject.values_at_point()]
     latex, plain = r",\allowbreak\ ".join(value.latex for value in values), ", ".join(value.plain for value in values)
     words = paragraph(

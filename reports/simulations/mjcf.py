@@ -39,7 +39,7 @@ from nonsmooth.symbolic.numbers.plane import XY, Pose, cross, dot, in_floats, po
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from nonsmooth.analysis.trajectories.result import Trajectory
     from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
@@ -48,7 +48,8 @@ if TYPE_CHECKING:
 
 RULE = "ellipse"  # the engine's elliptic cone
 BESIDE = (
-    "beside the checked point, where a body may rest, unless a place is given: so that there is a motion to compare"
+    "beside the checked point, where a body may rest, unless the option 'from' names a place: so that there is a "
+    "motion to compare"
 )
 SLOWED = (
     "so slow, because the engine couples slip and load: the friction law alone decides, as for a body without inertia"
@@ -66,6 +67,11 @@ AT_REST = 1e-9  # of the wheels' speed: slower is rounding of rest
 def model_name(scene: Scene) -> str:
     """The name of a scene on one line, without the two hyphens that end a comment of XML."""
     return one_line(scene.name).replace("--", "- ")
+
+
+def comment_text(lines: Iterable[str]) -> str:
+    """Lines of a comment of XML, in which no two hyphens may stand side by side: a strict parser refuses the file."""
+    return "\n".join(f"    {line.replace('--', '- -')}" for line in lines)
 
 
 def engine_inertia(scene: Scene, scale: float) -> tuple[float, float] | None:
@@ -246,7 +252,7 @@ class Export:
             f"{model_name(self.scene)}, rule {RULE}, exported by nonsmooth: "
             "the frame is reversed, the array rides on the body.",
             f"centre of mass in the scene: {self._where}",
-            *[f"{BESIDE} (--from X,Y: elsewhere)"] * self._is_beside,
+            *[BESIDE] * self._is_beside,
             f"scale: 1 in this file is {float_text(self.scale, 9)}{unit} in the scene; "
             f"speeds are those of the scene times {float_text(self.pace, 9)}",
             SLOWED,
@@ -258,7 +264,7 @@ class Export:
             f"{CONFORMS:g} of its largest entry,",
             "or, where rest is predicted, no entry is above the creep bound.",
         ]
-        return "\n".join(f"    {line}" for line in lines)
+        return comment_text(lines)
 
     def _wheel(self, wheel: Wheel) -> str:
         x, y = (float(value) / self.scale for value in wheel.position)
@@ -423,7 +429,7 @@ class WorldExport:
             f"how the predicted path ends: {self.path.end.reason}",
             "The engine ends there within some per cent of the way: slip lifts its springs, and the body sinks.",
         ]
-        return "\n".join(f"    {line}" for line in lines)
+        return comment_text(lines)
 
     def _in_file(self, point: XY) -> XY:
         x, y = self._turned(point)

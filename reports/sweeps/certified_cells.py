@@ -12,6 +12,7 @@ from fractions import Fraction
 from itertools import pairwise, product
 from typing import Any, TypeAlias
 
+from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.findings import Certainty, Record
 from nonsmooth.proofs.robust.decide import decided_statement
@@ -20,6 +21,8 @@ from nonsmooth.reports.sweeps.borders import has_place
 from nonsmooth.reports.sweeps.sweep_plan import Axis, Entry, SweepError, SweepPlan, Value
 from nonsmooth.symbolic.files.key_paths import Path
 from nonsmooth.symbolic.mechanics.contact_set import standing
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
+from nonsmooth.symbolic.mechanics.springs import MeasuredTable
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line, shown
 
 TABLE = "tolerance"
@@ -102,9 +105,16 @@ def _require_cells(plan: SweepPlan) -> None:
 
 
 def _require_independent(base: Base, plan: SweepPlan) -> None:
-    """Refuse a number of a wheel that another one follows, or should turn with: tolerances move each on its own."""
-    friction = base.document.get("friction") or {}
+    """Refuse a number of a wheel that another one follows, or should turn with: tolerances move each on its own.
+
+    A checked point that varies is a tolerance of all positions.  With it a table changes the loads of all wheels at
+    once, which no tolerance does; those of springs balance wherever the wheels are.
+    """
+    friction, is_tilted = base.document.get("friction") or {}, _rests_on_tilted_table(base.scene((), ()))
     for axis in plan.axes:
+        if axis.path[0] == "check" and is_tilted:
+            expected = f"elastic or measured loads, or a table of constant ones, since {axis.name} varies"
+            raise SweepError(f"certify: required {expected}, received a table that is affine in c")
         if axis.path[0] != "wheel":
             continue
         place = int(axis.path[1])
@@ -116,6 +126,14 @@ def _require_independent(base: Base, plan: SweepPlan) -> None:
             if axis.path[2] == "position" and value in FOLLOWING:
                 expected = f"an angle or a direction as {name} of wheel {place + 1}, since {axis.name} varies"
                 raise SweepError(f"certify: required {expected}, received {shown(value)}")
+
+
+def _rests_on_tilted_table(scene: Scene) -> bool:
+    """Whether motions depend on a table of loads that change with the body's place."""
+    loads = scene.contact.loads
+    if not isinstance(loads, LoadTable) or isinstance(loads, MeasuredTable):
+        return False
+    return rule_of(scene).needs_loads and any(b or c for _, b, c in loads.rows)
 
 
 def _sides_of(plan: SweepPlan) -> Iterator[Sides]:

@@ -15,7 +15,7 @@ from nonsmooth.reports.sweeps.outcome import CLAUSES, NUMBERS, QUESTIONS, SYSTEM
 from nonsmooth.reports.sweeps.sweep import Sweep
 from nonsmooth.reports.sweeps.sweep_plan import Point
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.number_text import float_text, lower_text
 
 SCHEMA = "nonsmooth-sweep/2"
 CONTRADICTS = "contradict each other"  # in the reason of a scene whose answers do
@@ -161,11 +161,15 @@ def _cell_record(sweep: Sweep, cell: CertifiedCell) -> Record:
 
 
 def _cells_text(cells: Sequence[CertifiedCell]) -> str:
-    """``12 of 16 cells are certified as a whole``."""
-    count = sum(cell.verdict is Certainty.CERTIFIED for cell in cells)
-    widest = max((cell.ends_within for cell in cells if cell.ends_within is not None), default=None)
-    where = "" if widest is None else f": every body ends within {at_most(widest)} of the point, or nearer"
-    return f"{count} of {len(cells)} cells of the grid are certified as a whole{where}"
+    """``12 of 16 cells are certified as a whole``, and from where and how near bodies end in all of these."""
+    certified = [cell for cell in cells if cell.verdict is Certainty.CERTIFIED]
+    said = f"{len(certified)} of {len(cells)} cells of the grid are certified as a whole"
+    ends = [cell.ends_within for cell in certified if cell.ends_within is not None]
+    starts = [cell.starts_within for cell in certified if cell.starts_within is not None]
+    if not ends:
+        return said
+    start = f"within {lower_text(min(starts), 4)} of" if len(starts) == len(ends) else "close to"
+    return f"{said}: every body that starts {start} the point ends within {at_most(max(ends))} of it, or nearer"
 
 
 def _worst(outcome: Outcome) -> Record:

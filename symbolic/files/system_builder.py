@@ -7,7 +7,7 @@ one :class:`SceneError`, as for wheel arrays.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
@@ -173,15 +173,18 @@ def _of_lists(system: SwitchedSystem, lists: Sequence[Sequence[str]], order: int
     return replace(found, check=quotient, intervals=system.intervals, overlaps=system.overlaps)
 
 
-def _plain_system(document: SystemDocument, file: str, path: Path, order: int = 0) -> SwitchedSystem:
-    """The system of a document without square roots of states."""
+def _plain_system(
+    document: SystemDocument, file: str, path: Path, order: int = 0, sizes: Iterable[str] = ()
+) -> SwitchedSystem:
+    """The system of a document without square roots of states, of which some may be sizes."""
     states, check = document.system.states, document.check
     single, intervals = split_intervals(document.system.parameters, file)
     texts = parameter_texts(single, {*states, *RESERVED}, file)
     ends = parameter_texts({name: pair[0] for name, pair in intervals.items()}, {*states, *RESERVED}, file)
     stated = _stated(_whole(document, {**texts, **ends}, intervals, file), states, file)
     intervals = intervals_in(chain(*stated.values()), intervals)
-    clearing = Clearing(frozenset(states), _float_point(states, check.equilibrium, file))
+    point = _float_point(states, check.equilibrium, file)
+    clearing = Clearing(frozenset(states), point, frozenset(sizes))
     sides = read_right_hand_sides(stated, texts, intervals, clearing, file, order)
     rhs, *others = (_parsed(side, states, file, key) for key, side in sides.sides)
     default = " + ".join(f"{name}**2" for name in states)
@@ -284,7 +287,9 @@ def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path
         SceneError: as of a system without roots; it names the formulas and states of the file, and no roots.
     """
     try:
-        seen, unscaled, extended = (_plain_system(part, file, path) for part in rooted_documents(document, roots, file))
+        in_roots, in_time_of_states, with_sizes = rooted_documents(document, roots, file)
+        seen, unscaled = (_plain_system(part, file, path) for part in (in_roots, in_time_of_states))
+        extended = _plain_system(with_sizes, file, path, sizes=roots.names.values())
     except SceneError as error:
         stated, expected = dict(_keyed_formulas(document)), error.expected
         for name, root in roots.names.items():

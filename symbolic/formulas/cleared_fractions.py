@@ -4,14 +4,22 @@
 positive factor of all fields scales the set of velocities.  So stability, regions and the signs of V' are the same;
 rates are not.  A denominator that is negative at the checked point changes its sign and that of its numerator: floats
 choose, and whoever decides stability proves that all denominators are positive on the checked square.
+
+A denominator may be zero at the checked point alone, as in the quasi-continuous law
+``-(y + sqrt(Abs(x))*sign(x))/(Abs(y) + sqrt(Abs(x)))`` (Levant 2005).  Off the point all is as before; a solution of
+``x' = f/d`` that leaves the point would be one of ``x' = f`` that comes from arbitrarily near it, and one that arrives
+is one that comes to it: so stability and attraction are the same there too.  That ``f/d`` stays bounded is proved with
+the sign of d, for a solution to go on from the point.
 """
 
 from __future__ import annotations
 
 import ast
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
+from random import Random
 
 from nonsmooth.symbolic.formulas.enclosed_functions import has_waves
 from nonsmooth.symbolic.formulas.piecewise import SWITCHES
@@ -31,6 +39,11 @@ from nonsmooth.symbolic.formulas.trees import (
     written,
 )
 from nonsmooth.symbolic.messages.scene_error import shown
+
+BESIDE, NEAR = (
+    64,
+    (2.0**-10, 2.0**-20),
+)  # directions and distances at which signs beside the checked point are looked at
 
 
 @dataclass(frozen=True)
@@ -63,16 +76,19 @@ class Clearing:
     Attributes:
         states: their names.
         point: the checked point in floats, by name.
+        sizes: the states that are sizes of roots, of which positive values count.
     """
 
     states: frozenset[str]
     point: Mapping[str, float]
+    sizes: frozenset[str] = frozenset()
 
     def clear(self, formulas: Sequence[object]) -> Cleared:
         """The formulas times one product of denominators; as they were where there are none.
 
         Raises:
-            ExpressionError: for a denominator that is zero at the checked point, and for a fraction in a denominator.
+            ExpressionError: for a denominator that is zero at the checked point and has no one sign beside it, and for
+                a fraction in a denominator.
         """
         if not any(map(self._has_fraction, formulas)):
             return Cleared(tuple(formulas))
@@ -82,7 +98,7 @@ class Clearing:
         for part in found:
             every |= part.bottom
         # A field that is no cone by its factors is none by accident either: cones claim the whole plane.
-        extra = Counter() if all(map(_is_sum_of_squares, every)) else Counter(list(every))
+        extra = Counter() if all(map(self._is_positive_sum, every)) else Counter(list(every))
         cleared = tuple(written(_times(part.top, every - part.bottom + extra)) for part in found)
         return Cleared(cleared, tuple(every), written(_times(ONE, every + extra)))
 
@@ -137,18 +153,47 @@ class Clearing:
             raise ExpressionError(
                 f"required no fraction and no sine of states in a denominator, received {shown(text)}"
             )
-        value = float_value(right.top, self.point, text)
-        if not value:
-            raise ExpressionError(f"required denominators that are not zero at the checked point, received {text}")
-        if value > 0:
+        if self._is_positive(right.top, text):
             return Fraction(left.top, left.bottom + Counter([bottom]))
         return Fraction(minus(left.top), left.bottom + Counter([written(minus(right.top))]))
+
+    def _is_positive(self, node: ast.expr, text: str) -> bool:
+        """Whether a denominator is positive at the checked point, or beside it where it is zero there, in floats.
+
+        Raises:
+            ExpressionError: for one that has no sign there.
+        """
+        value = float_value(node, self.point, text)
+        values = [value] if value else [float_value(node, own, text) for own in self._places_beside()]
+        if min(values) <= 0 <= max(values):
+            raise ExpressionError(f"required denominators that are not zero at the checked point, received {text}")
+        return values[0] > 0
+
+    def _places_beside(self) -> Iterator[dict[str, float]]:
+        """Places near the checked point in many directions, those of the axes too."""
+        drawn, names = Random(0), sorted(self.point)
+        along = [[float(side * (own == name)) for own in names] for name in names for side in (1, -1)]
+        between = [[drawn.uniform(-1, 1) for _ in names] for _ in range(BESIDE)]
+        for direction, size in product((*along, *between), NEAR):
+            place = {name: self.point[name] + size * step for name, step in zip(names, direction, strict=True)}
+            yield place | {name: self.point[name] + size for name in self.sizes}
 
     def _switching(self, name: str, arguments: Sequence[ast.expr], text: str) -> Fraction:
         """Positive denominators go through: all these functions but sign are homogeneous of degree one."""
         tops, bottom = self._common(arguments, text)
         joined = called(name, *tops)
         return Fraction(joined) if name in SIGNS else Fraction(joined, bottom)
+
+    def _is_positive_sum(self, text: str) -> bool:
+        """Whether a denominator is written as a sum of even powers, with a positive number or zero at the point.
+
+        It is positive wherever not all of these powers are zero.
+        """
+        tree = formula_tree(text)
+        terms = _terms(tree)
+        numbers = [term.value for term in terms if isinstance(term, ast.Constant)]
+        is_positive = any(isinstance(own, int | float) and own > 0 for own in numbers)
+        return all(map(_is_square, terms)) and (is_positive or not float_value(tree, self.point, text))
 
     def _common(self, nodes: Sequence[ast.expr], text: str) -> tuple[list[ast.expr], Counter[str]]:
         """Numerators over one product of denominators."""
@@ -161,13 +206,6 @@ class Clearing:
 
 def _times(top: ast.expr, factors: Counter[str]) -> ast.expr:
     return multiplied(top, *map(formula_tree, sorted(factors.elements())))
-
-
-def _is_sum_of_squares(text: str) -> bool:
-    """Whether a denominator is written as a positive number and even powers with plus signs: positive everywhere."""
-    terms = _terms(formula_tree(text))
-    numbers = [term.value for term in terms if isinstance(term, ast.Constant)]
-    return all(map(_is_square, terms)) and any(isinstance(own, int | float) and own > 0 for own in numbers)
 
 
 def _terms(node: ast.expr) -> list[ast.expr]:

@@ -61,7 +61,9 @@ class Digits(float):
 
 
 def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.expr]:
-    """The text of a TOML number or string, and its tree, of which nothing is checked yet; ``abs(x)`` is ``Abs(x)``.
+    """The text of a TOML number or string, and its tree, of which nothing is checked yet.
+
+    ``abs(x)`` is ``Abs(x)``, and ``sat(x)`` is ``sat(x, -1, 1)``: certificates and the checker know these alone.
 
     Equal texts have one tree.
 
@@ -97,6 +99,9 @@ def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.exp
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
             tree, depth = _read_once(text)
+            if any(is_call(node, "sat") for node in ast.walk(tree)):
+                text = written(_with_limits(tree))
+                tree, depth = _read_once(text)
     except (SyntaxError, ValueError, MemoryError, RecursionError):
         hint = _without_unit(text)
         raise ExpressionError(f"required {hint or required}, received {shown(value)}") from None
@@ -117,6 +122,18 @@ def _read_once(text: str) -> tuple[ast.expr, int]:
                 node.value = Digits(ast.get_source_segment(text, node) or "nan")
         level = [part for node in level for part in ast.iter_child_nodes(node) if isinstance(part, ast.expr)]
     return tree, depth
+
+
+def _with_limits(tree: ast.expr) -> ast.expr:
+    """With the limits that ``sat(a)`` has."""
+
+    def change(node: ast.expr) -> ast.expr | None:
+        match node:
+            case ast.Call(func=ast.Name(id="sat"), args=[inner], keywords=[]):
+                return called("sat", _with_limits(inner), number(-1), number(1))
+        return None
+
+    return replaced(tree, change)
 
 
 def formula_tree(text: object) -> ast.expr:
@@ -459,9 +476,9 @@ def _tidied(left: ast.expr, joint: ast.operator, right: ast.expr) -> ast.expr:
 
 
 def _without_minus(node: ast.expr) -> ast.expr | None:
-    """A number, or its multiple, without the minus before it; None where none is."""
+    """What has a minus before it, or a first factor that has, without it; None where none is."""
     match node:
-        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant()):
+        case ast.UnaryOp(op=ast.USub()):
             return node.operand
         case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as joint, right=right):
             positive = _without_minus(left)

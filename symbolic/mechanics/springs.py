@@ -178,10 +178,10 @@ class RaisedSprings(LoadModel):
 
 @dataclass(frozen=True)
 class MeasuredTable(LoadTable):
-    """Loads of springs under which every wheel was pressed.
+    """Loads of springs that were measured at one pose.
 
     Attributes:
-        measured: at one pose, as shares of the weight, all positive.
+        measured: there, as shares of the weight.
     """
 
     measured: tuple[Number, ...] = ()
@@ -191,9 +191,24 @@ class MeasuredTable(LoadTable):
         """As scene files name it."""
         return "measured loads"
 
+    def under(self, moments: Sequence[Three[X]], arithmetic: Arithmetic[X]) -> list[Three[X]] | None:
+        """The forms where wheels stand elsewhere, and with them the centre of the measured loads; None on one line."""
+        equal = EqualSprings().forms(moments, range(len(moments)), arithmetic)
+        if equal is None:
+            return None
+        shares = [arithmetic.number(share) for share in self.measured]
+        (_, first_x, first_y), *others = moments
+        x, y = shares[0] * first_x, shares[0] * first_y
+        for share, (_, own_x, own_y) in zip(shares[1:], others, strict=True):
+            x, y = x + share * own_x, y + share * own_y
+        return [(share - b * x - c * y, b, c) for share, (_, b, c) in zip(shares, equal, strict=True)]
+
     def on(self, places: Sequence[int]) -> LoadModel | None:
-        """What some of the springs carry without the others."""
-        return super().on(places) or RaisedSprings(tuple(self.measured[k] for k in places))
+        """What some of the springs carry without the others, where every wheel was pressed."""
+        whole = super().on(places)
+        if whole is not None or not all(share.sign() > 0 for share in self.measured):
+            return whole
+        return RaisedSprings(tuple(self.measured[k] for k in places))
 
 
 def spring_forms(positions: Sequence[Vector]) -> list[Triple]:
@@ -217,7 +232,7 @@ def centre_of(values: Sequence[Number], positions: Sequence[Vector]) -> Vector:
     return x / weight, y / weight
 
 
-def carried_table(values: Sequence[Number], positions: Sequence[Vector]) -> LoadTable:
+def carried_table(values: Sequence[Number], positions: Sequence[Vector]) -> MeasuredTable:
     """The affine loads of total weight 1 that have these values (in any unit, not all zero) at their own centre.
 
     Raises:
@@ -228,7 +243,7 @@ def carried_table(values: Sequence[Number], positions: Sequence[Vector]) -> Load
     shares = tuple(value / weight for value in values)
     forms = spring_forms(positions)
     rows = tuple((share - b * x - c * y, b, c) for share, (_, b, c) in zip(shares, forms, strict=True))
-    return MeasuredTable(rows, shares) if all(share.sign() > 0 for share in shares) else LoadTable(rows)
+    return MeasuredTable(rows, shares)
 
 
 def largest_correction(table: LoadTable, centre: Vector, at: Vector) -> Number:

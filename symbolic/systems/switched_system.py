@@ -105,7 +105,7 @@ class SwitchedSystem(ShortRepr):
         written: the formulas as they were stated, where the right-hand sides are not these but scaled (fractions) or
             enclose them (sines and cosines of states); empty otherwise.
         waves: what is enclosed; the right-hand sides are the values at all ends of its weights.
-        denominators: formulas that must be positive on the checked square.
+        denominators: formulas that must be positive on the checked square, but perhaps at the checked point.
         scale: the positive factor by which the stated fields were multiplied; None without fractions.
         named_rhs: the one field that is enclosed, in the states and in names of its sines and cosines; else empty.
         names: what these names mean.
@@ -172,6 +172,12 @@ class SwitchedSystem(ShortRepr):
     def origin(self) -> str:
         """Where the scene came from, for messages: its file or built-in name, else its own name."""
         return self.source or self.name
+
+    @property
+    def vanishing(self) -> tuple[PiecewiseExpression, ...]:
+        """The denominators that are zero at the checked point: the stated field has no value there."""
+        point = [Polynomial.constant(self.field, self.states, own) for own in self.check.equilibrium]
+        return tuple(own for own in self.denominators if not own.polynomial(self.named(point), no_sign))
 
     @property
     def is_planar(self) -> bool:

@@ -41,6 +41,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.body_engine import inward_grid, with_random_body
 from tests.conftest import HALF, Arrays, WheelData
 from tests.oracles.floats import Floats
+from tests.oracles.wheels_in_floats import Contacts, pose_rate
 from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of, pushed_back, under
 from tests.thorough import keep, thorough
 
@@ -55,14 +56,14 @@ CHATTER = 2.0  # distance of a chattering path at the last time, in units of its
 LIKE_NO_BODY = 1e-8  # lengths and radians: the path without a body is right to 1e-9 per step
 
 
-def ellipse() -> SmoothRule:
-    rule = contact_rule("ellipse")
+def smooth(name: str) -> SmoothRule:
+    rule = contact_rule(name)
     assert isinstance(rule, SmoothRule)
     return rule
 
 
 def path_of(scene: Scene, start: tuple[float, float, float], until: float) -> Trajectory:
-    return BodyPath(contacts_under(ellipse(), scene), scene).follow(start, until)
+    return BodyPath(contacts_under(smooth("ellipse"), scene), scene).follow(start, until)
 
 
 # ---- the motion on a set of wheels, with springs of its own ---------------------------------------
@@ -71,43 +72,26 @@ def path_of(scene: Scene, start: tuple[float, float, float], until: float) -> Tr
 class Motion(NamedTuple):
     """The motion on any wheels of an array, from the minimizer that begins anew, kept for each set of wheels."""
 
-    positions: Floats
-    rims: Floats
-    speeds: Floats
-    friction: Floats
+    contacts: Contacts
     minimizers: dict[frozenset[int], WarmMinimizer]
 
     @classmethod
     def of(cls, scene: Scene) -> Motion:
-        positions = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-        rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in scene.wheels])
-        speeds = np.array([float(wheel.speed) for wheel in scene.wheels])
-        friction = [[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels]
-        return cls(positions, rims, speeds, np.array(friction), {})
+        return cls(Contacts.of(scene), {})
 
-    def loads(self, wheels: list[int], centre: Floats) -> Floats:
-        """Springs of equal stiffness; those that pull are taken away one by one."""
-        pressed = list(wheels)
-        while True:
-            moments = np.vstack([np.ones(len(pressed)), self.positions[pressed].T])
-            forces, *_ = np.linalg.lstsq(moments, np.array([1.0, *centre]), rcond=None)
-            if forces.min() >= 0:
-                break
-            pressed.pop(int(np.argmin(forces)))
-        loads = np.zeros(len(self.positions))
-        loads[pressed] = forces
-        return loads[wheels]
+    @property
+    def positions(self) -> Floats:
+        return self.contacts.positions
 
     def rate(self, carrying: frozenset[int], pose: Floats) -> Floats:
         """``(c', theta')``."""
         wheels = sorted(carrying)
         if carrying not in self.minimizers:
-            contacts = (self.positions[wheels], self.rims[wheels], self.speeds[wheels], self.friction[wheels])
-            self.minimizers[carrying] = WarmMinimizer(ContactModel.build(*contacts))
-        twist = self.minimizers[carrying].minimize(self.loads(wheels, pose[:2]))
+            self.minimizers[carrying] = WarmMinimizer(self.contacts.model(wheels))
+        loads = self.contacts.loads(wheels, pose[:2])
+        twist = self.minimizers[carrying].minimize(np.array([loads.get(wheel, 0.0) for wheel in wheels]))
         assert twist is not None
-        v, omega = twist[:2], twist[2]
-        return np.array([v[0] - omega * pose[1], v[1] + omega * pose[0], omega])
+        return pose_rate(twist, pose[:2])
 
 
 class Reference(NamedTuple):
@@ -197,7 +181,7 @@ def test_changes_come_when_another_integrator_says(
 ) -> None:
     scene, depths = case(conveyor(arrays))
     start = np.array([2.03, 1.52, 0.1])
-    path = BodyPath(contacts_under(ellipse(), scene), scene).follow(start.tolist(), until)
+    path = BodyPath(contacts_under(smooth("ellipse"), scene), scene).follow(start.tolist(), until)
     expected = reference_path(Motion.of(scene), depths, start, until)
     assert path.end.reason is EndReason.TIME
     assert len(expected.times) >= changes
@@ -224,7 +208,7 @@ def test_a_wheel_that_pushes_the_body_off_stays_under_its_edge(arrays: Arrays) -
     scene, depths = pushed_back(arrays)
     start, until = np.array([0.3, -0.2, 0.0]), 1.0
     motion = Motion.of(scene)
-    path = BodyPath(contacts_under(ellipse(), scene), scene).follow(start.tolist(), until)
+    path = BodyPath(contacts_under(smooth("ellipse"), scene), scene).follow(start.tolist(), until)
     assert [event.kind for event in path.events] == [EventKind.SLIDE]
     (slide,) = path.events
     assert slide.surface == "wheel 5 under the edge"
@@ -243,7 +227,7 @@ def test_a_body_over_all_wheels_moves_as_without_an_outline(arrays: Arrays) -> N
     scene = replace(conveyor(arrays, columns=3), contact=Contact("ellipse"))
     start = np.array([0.7, 1.4, 0.3])
     covered = on(scene, Disc(scene.field(20)), (1, 2))
-    path, expected = (smooth_path(ellipse(), each, start.tolist(), 0.5) for each in (covered, scene))
+    path, expected = (smooth_path(smooth("ellipse"), each, start.tolist(), 0.5) for each in (covered, scene))
     assert not path.events
     for time in np.linspace(0, 0.5, 6):
         assert np.abs(np.subtract(path.at(time), expected.at(time))).max() < LIKE_NO_BODY
@@ -290,7 +274,7 @@ def test_contacts_of_some_wheels_are_those_of_the_array_of_these_wheels() -> Non
     """With friction axes that are not the rims: the model built anew, entry by entry."""
     scene = load_scene("roller-bed", rule="ellipse")
     wheels = [3, 7, 8, 20]
-    sets = ContactSets(contacts_under(ellipse(), scene))
+    sets = ContactSets(contacts_under(smooth("ellipse"), scene))
     pose = np.array([float(sum(x)) / 4 for x in zip(*(scene.wheels[k].position for k in wheels), strict=True)] + [0.0])
     found = sets.motion(frozenset(wheels), pose).model
     expected = contact_model(replace(scene, wheels=tuple(scene.wheels[k] for k in wheels)))
@@ -304,13 +288,13 @@ def test_a_path_passes_a_place_where_the_slip_of_a_wheel_vanishes() -> None:
     On the line itself the motion is in one coordinate and not stiff: an explicit method follows it.
     """
     scene = with_random_body(inward_grid(Fraction(1, 2)), np.random.default_rng(4), 0.5)
-    path = BodyPath(contacts_under(ellipse(), scene), scene).follow([0.443, 0.011, 0.0], 0.3)
+    path = BodyPath(contacts_under(smooth("ellipse"), scene), scene).follow([0.443, 0.011, 0.0], 0.3)
     begins, ends = 0.05, 0.3
     x, y, theta = path.at(begins)
     assert abs(y) < 1e-12
     mode = next(piece for piece in path.pieces if piece.end is not None and piece.end >= ends)
     wheels = frozenset(int(name) - 1 for name in mode.cells)
-    motion = ContactSets(contacts_under(ellipse(), scene)).motion(wheels, np.array([x, 0.0, theta]))
+    motion = ContactSets(contacts_under(smooth("ellipse"), scene)).motion(wheels, np.array([x, 0.0, theta]))
     line = solve_ivp(
         lambda t, place: [motion.rate(np.array([place[0], 0.0, theta]))[0]],
         (begins, ends),
@@ -344,12 +328,6 @@ def test_a_change_that_only_many_states_together_show_is_the_end_of_its_interval
 
 
 # ---- Paths of bodies with an outline: minimizers from the last one, and an end after so much work.
-
-
-def smooth(name: str) -> SmoothRule:
-    rule = contact_rule(name)
-    assert isinstance(rule, SmoothRule)
-    return rule
 
 
 def test_a_body_that_all_wheels_carry_along_hardly_begins_anew(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -449,7 +427,7 @@ def test_a_body_between_opposed_wheels_comes_to_rest_where_they_bear_alike(array
         zero, one = scene.field(0), scene.field(1)
         scene = replace(scene, body=Body(body(scene.field(3)), (zero, zero), (one, zero)))
     start = (0.4, 0.3, 0.2)
-    path = smooth_path(ellipse(), scene, start, 1.0)
+    path = smooth_path(smooth("ellipse"), scene, start, 1.0)
     assert path.end.state == pytest.approx((0.0, 0.3, 0.2), abs=1e-6)
     assert path.sample([0.1, 0.3])[:, 0] == pytest.approx([0.3, 0.1], abs=1e-5)
     assert path.end.reason is (EndReason.TIME if body is None else EndReason.REST)
@@ -460,7 +438,7 @@ def test_only_wheels_that_drive_along_one_motion_jump(arrays: Arrays) -> None:
     """Parallel rims, rims around one point, and free ones; not such that all turn together without slip."""
 
     def jump(*wheels: WheelData, friction: Pair = (1, HALF)) -> bool:
-        return may_jump(contacts_under(ellipse(), arrays.scene(wheels, friction)))
+        return may_jump(contacts_under(smooth("ellipse"), arrays.scene(wheels, friction)))
 
     around = [replace_rim(wheel, (-wheel.position[1], wheel.position[0])) for wheel in OPPOSED]
     assert jump(*OPPOSED)
@@ -504,7 +482,7 @@ def test_a_minimum_that_only_drag_holds_is_proved_to_rounding(tmp_path: Path) ->
 def test_a_path_that_cannot_be_followed_any_farther_ends_there(monkeypatch: pytest.MonkeyPatch) -> None:
     """With what was followed until then, and the reason; without a first step it is an error."""
     scene = load_scene("carton-on-6x6").under("ellipse")
-    whole_path = smooth_path(ellipse(), scene, (0.15, 0.1, 0.08), 1.0)
+    whole_path = smooth_path(smooth("ellipse"), scene, (0.15, 0.1, 0.08), 1.0)
     own = SetMotion.rate
 
     def rate(motion: SetMotion, pose: Floats) -> Floats:
@@ -513,7 +491,7 @@ def test_a_path_that_cannot_be_followed_any_farther_ends_there(monkeypatch: pyte
         return own(motion, pose)
 
     monkeypatch.setattr(SetMotion, "rate", rate)
-    part = smooth_path(ellipse(), scene, (0.15, 0.1, 0.08), 1.0)
+    part = smooth_path(smooth("ellipse"), scene, (0.15, 0.1, 0.08), 1.0)
     assert (part.end.reason, part.end.note) == (EndReason.UNPROVED, "no proof")
     assert part.end.why == "what follows is not known: no proof"
     assert part.end.record()["note"] == "no proof"
@@ -521,7 +499,7 @@ def test_a_path_that_cannot_be_followed_any_farther_ends_there(monkeypatch: pyte
     assert part.end.state == pytest.approx(whole_path.at(part.end.t), abs=1e-8)
     assert part.end.state[0] < part.at(0.0)[0]
     with pytest.raises(TrajectoryError, match="no proof"):
-        smooth_path(ellipse(), scene, (0.09, 0.1, 0.08), 1.0)
+        smooth_path(smooth("ellipse"), scene, (0.09, 0.1, 0.08), 1.0)
 
 
 def test_a_start_over_the_line_through_two_wheels_is_refused() -> None:

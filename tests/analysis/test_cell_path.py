@@ -50,7 +50,8 @@ from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.conftest import Arrays, WheelData
-from tests.oracles.small_steps import Contacts, small_steps
+from tests.oracles.small_steps import small_steps
+from tests.oracles.wheels_in_floats import Contacts, places_of, pose_rate
 from tests.outlined import Depths, Pair, carton, disc_depths, on, polygon_depths, polygon_of, pushed_back
 from tests.thorough import few, keep, thorough
 
@@ -115,7 +116,7 @@ def test_wheels_enter_and_leave_as_in_small_steps(rule: str) -> None:
     assert kinds.count(EventKind.ENTER) > 1
     assert kinds.count(EventKind.LEAVE) > 0
     assert_near_small_steps(scene, depths, start, path)
-    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    places = places_of(scene)
     for event in path.events:
         if event.kind in (EventKind.ENTER, EventKind.LEAVE):
             wheel = int(event.surface.split()[1]) - 1
@@ -164,7 +165,7 @@ def test_a_wheel_that_pushes_the_body_off_stays_under_its_edge(rule: str, arrays
     slide = path.events[-1]
     assert (slide.kind, slide.surface) == (EventKind.SLIDE, f"wheel {wheel} under the edge")
     assert sum(weight for _, weight in slide.weights) == pytest.approx(1)
-    places = np.array([[float(x) for x in one.position] for one in scene.wheels])
+    places = places_of(scene)
     for time in np.linspace(slide.t, 0.8, 5):
         assert abs(depths(places, np.array(path.at(time)))[wheel - 1]) < POSE_ERROR
     assert np.abs(np.subtract(path.at(0.8), path.at(slide.t))).max() > 0.05
@@ -258,7 +259,7 @@ def test_gradients_of_depths_are_their_differences(arrays: Arrays) -> None:
     shield: list[Pair] = [(-2, -1), (1, Fraction(-3, 2)), (2, 0), (Fraction(1, 2), Fraction(3, 2)), (-2, 1)]
     polygon = on(scene, polygon_of(scene, shield))
     disc = on(scene, Disc(scene.field(Fraction(8, 5))), (Fraction(1, 5), Fraction(-1, 10)))
-    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    places = places_of(scene)
     pose, step = np.array([0.83, 1.21, 0.7]), 1e-6
     centre = np.array([0.2, -0.1])
     shapes = (
@@ -331,8 +332,8 @@ def test_rates_by_cells_are_those_of_the_words_of_the_rule(rule: str, count: int
     words = {"nearest": contacts.nearest, "box": contacts.box}[rule]
     assert (~found.tips).sum() > count / 3
     for pose, rate in zip(poses[~found.tips], found.rates[~found.tips], strict=True):
-        v_x, v_y, omega = words(np.flatnonzero(outline.depths(pose) > 0).tolist(), pose[:2])
-        np.testing.assert_allclose(rate, [v_x - omega * pose[1], v_y + omega * pose[0], omega], atol=1e-9)
+        twist = words(np.flatnonzero(outline.depths(pose) > 0).tolist(), pose[:2])
+        np.testing.assert_allclose(rate, pose_rate(twist, pose[:2]), atol=1e-9)
 
 
 def test_twists_are_sought_from_the_best_of_several_starts() -> None:

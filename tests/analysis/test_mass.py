@@ -43,6 +43,7 @@ from tests.analysis.test_dynamics import random_model
 from tests.conftest import Arrays, WheelData
 from tests.oracles.heavy_bodies import HeavyTable, SprungBody
 from tests.oracles.small_steps import small_steps_of_mass
+from tests.oracles.wheels_in_floats import places_of
 from tests.outlined import Pair, carton, on, polygon_of, pushed_back
 from tests.thorough import few, keep, thorough
 
@@ -67,7 +68,7 @@ def test_wheels_enter_and_leave_as_in_small_steps(until: float, steps: int) -> N
     assert kinds == [EventKind.LEAVE, EventKind.LEAVE, EventKind.ENTER, EventKind.ENTER]
     expected = small_steps_of_mass(scene, depths, np.array(start), until, steps, masses, STEP_CREEP)
     assert np.abs(path.states[-1][:3] - expected[:3]).max() < OFF
-    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    places = places_of(scene)
     for event in path.trajectory.events:
         wheel = int(event.surface.split()[1]) - 1
         assert abs(depths(places[[wheel]], np.array(event.state))[0]) < POSE_ERROR
@@ -83,7 +84,7 @@ def test_a_wheel_that_swings_across_the_edge_is_held_there(arrays: Arrays) -> No
     assert len(swings) > 20
     assert (held.kind, held.surface) == (EventKind.SLIDE, "wheel 5 under the edge")
     assert f"{HELD:g}" in held.note
-    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    places = places_of(scene)
     for time in np.linspace(held.t, until, 5):
         assert abs(depths(places, path.state(time)[:3])[4]) < 3 * HELD
     expected = small_steps_of_mass(scene, depths, np.array(start), until, 4500, masses, STEP_CREEP)
@@ -360,7 +361,7 @@ def table(scene: Scene) -> HeavyTable:
     given = [wheel.given_speed for wheel in scene.wheels]
     speeds = [np.hypot(*rim) if own is None else float(own) for rim, own in zip(rims, given, strict=True)]
     friction = np.array([[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels])
-    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    places = places_of(scene)
     headings, ratio = np.arctan2(rims[:, 1], rims[:, 0]), BODY.inertia / BODY.mass
     return HeavyTable(places, headings, np.array(speeds), friction, 1 / BODY.mass, ratio, friction[:, 1], ROUNDED)
 

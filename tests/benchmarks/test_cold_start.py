@@ -1,4 +1,4 @@
-"""The command line from the shell, interpreter start included, against merely importing SymPy."""
+"""Processes of their own, interpreter start included: commands and a report, beside merely importing libraries."""
 
 from __future__ import annotations
 
@@ -7,7 +7,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.benchmarks.conftest import Stopwatch
+
+# ---- The command line from the shell, interpreter start included, against merely importing SymPy.
 
 RUNS = 10
 COMMAND_LINE = ("-m", "nonsmooth.reports.cli")
@@ -46,3 +50,28 @@ def test_cold_start(stopwatch: Stopwatch, tmp_path: Path) -> None:
             f"ratio {seconds / sympy:.2f} (allowed {ALLOWED[arguments]})"
         )
     assert all(seconds <= ALLOWED[arguments] * sympy for arguments, seconds in shortest.items())
+
+
+# ---- How long the HTML report of the paper's array takes from a cold start, and how large it is. -
+
+ROUNDS = 3  # the fastest of each counts
+MOST_BYTES = 2_000_000
+LIBRARIES = "import sympy, matplotlib.figure, scipy.optimize, scipy.spatial"
+REPORT = ("-m", "nonsmooth.reports.cli", "derive", "four-wheel")
+
+
+@pytest.mark.parametrize(("options", "most"), [((), 5), (("--without", "trajectories,precision"), 3)])
+def test_the_report_takes_a_few_times_as_long_as_its_libraries(
+    tmp_path: Path, options: tuple[str, ...], most: float
+) -> None:
+    target = tmp_path / "r.html"
+    work, environment = ("-c", LIBRARIES), dict(os.environ)
+    report = (*REPORT, "-o", str(target), *options)
+    times = [(processor_time(environment, *work), processor_time(environment, *report)) for _ in range(ROUNDS)]
+    libraries, own = (min(of) for of in zip(*times, strict=True))
+    print(
+        f"\nderive four-wheel {' '.join(options)}: {own:.2f} s, {own / libraries:.1f} times as long as its "
+        f"libraries (allowed {most}), {target.stat().st_size / 1000:.0f} kB"
+    )
+    assert own <= most * libraries
+    assert target.stat().st_size <= MOST_BYTES

@@ -1,6 +1,6 @@
 """What the commands say of real machines, beside MuJoCo: outlines, heights, rollers, headings and closed loops.
 
-Each line that is printed is one line of the table in ``docs/choose.md``.
+Each line that a test of a command prints is one line of the table in ``docs/choose.md``.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch
-from tests.body_engine import TIME_CONSTANT
+from tests.body_engine import TIME_CONSTANT, inward_grid, random_grid, run_beside_engine, with_random_body
 from tests.measured_arrays import Kind, measured_array
 from tests.real_machine import (
     Floats,
@@ -29,6 +29,7 @@ from tests.real_machine import (
     roller_errors,
     scattered_heading,
 )
+from tests.roller_engine import creep_rates
 
 POSES, HANGING = 200, 50  # poses on the grid, and of bodies that may hang over its border
 REACH, BEYOND = 1.7, 2.7  # of the centre of mass from the middle
@@ -215,3 +216,37 @@ def test_a_law_of_level_springs_stalls_on_unequal_wheels(stopwatch: Stopwatch, t
         f"the start at 2/(kappa k), {loop.late:.1f} times what is certified of level wheels"
     )
     assert loop.errors[-1] > STALLED * loop.errors[0]
+
+
+# ---- whole paths of bodies with an outline -------------------------------------------------------
+
+RUNS = 3  # of each kind; the third random one reacts strongly to loads: poses come out 0.11 apart
+LATE = 0.08  # of changes, at wheels of speed one; the engine is late by some per cent
+
+
+@pytest.mark.parametrize("kind", ["random", "inward"])
+def test_paths(kind: str, stopwatch: Stopwatch) -> None:
+    runs = []
+    for seed in range(RUNS):
+        rng = np.random.default_rng(seed + 1)
+        grid = random_grid(rng) if kind == "random" else inward_grid(Fraction(1, 2))
+        runs.append(run_beside_engine(with_random_body(grid, rng, 1.2), 0.7))
+    alike, tips = sum(run.changes_alike(LATE) for run in runs), sum(run.tips_alike for run in runs)
+    far = max(run.error for run in runs)
+    stopwatch.report(
+        f"{kind}: {alike} of {RUNS} paths with the same changes, {tips} with the same end, poses {far:.3f} apart"
+    )
+    assert all(run.path.end.reason.name == "TIPS" for run in runs if run.fell is not None)
+    assert alike >= RUNS - 1
+
+
+# ---- rollers that stand --------------------------------------------------------------------------
+
+CREEP = 2e-2  # relative, of the speed at which the body comes home near the point
+
+
+@pytest.mark.parametrize("side", [0.02, 0.05, 0.1, 0.2, 0.5])
+def test_creep_at_rest(side: float, stopwatch: Stopwatch) -> None:
+    rates = creep_rates(side)
+    stopwatch.report(f"creep at rest, mu_S = {side}: {rates[0]:.4f}, {rates[1]:.4f} |c|; sqrt(2) = {np.sqrt(2):.4f}")
+    assert rates == pytest.approx(np.sqrt(2), rel=CREEP)

@@ -15,6 +15,7 @@ from scipy.optimize import linprog
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.floats import Floats
+from tests.oracles.wheels_in_floats import Contacts
 
 Record: TypeAlias = dict[str, Any]
 
@@ -146,17 +147,10 @@ def _distance(a: Floats, b: Floats) -> float:
 
 def control_fields(scene: Scene, c: Floats) -> list[Floats]:
     """What unit speeds of the two nearest wheels with independent rows do, by solving three equations."""
-    wheels = [
-        (np.array([float(x) for x in own.position]), np.array([float(x) for x in own.unit_direction]))
-        for own in scene.wheels
-    ]
-    by_distance = sorted(wheels, key=lambda wheel: float(np.hypot(*(wheel[0] - c))))
-    (at, rim), *others = by_distance
-
-    def row(place: Floats, along: Floats) -> Floats:
-        return np.array([*along, along[1] * place[0] - along[0] * place[1]])
-
-    first, side = row(at, rim), row(at, np.array([-rim[1], rim[0]]))
-    second = next(own for own in (row(*wheel) for wheel in others) if abs(np.linalg.det([first, side, own])) > CLOSE)
+    contacts = Contacts.of(scene)
+    nearest, *others = np.argsort(np.hypot(*(contacts.positions - c).T)).tolist()
+    first, side = contacts.rows([nearest])[0]
+    rolls = (contacts.row(wheel, contacts.rims[wheel]) for wheel in others)
+    second = next(own for own in rolls if abs(np.linalg.det([first, side, own])) > CLOSE)
     rows = np.array([first, side, second])
     return [np.linalg.solve(rows, [1.0, 0, 0]), np.linalg.solve(rows, [0, 0, 1.0])]

@@ -366,11 +366,6 @@ def test_no_region_where_nothing_comes_back() -> None:
     assert ns.System(["x", "y"], ["x", "-y"]).larger_region(2) is None
 
 
-def test_a_degree_that_is_none_is_refused() -> None:
-    with pytest.raises(ValueError, match="degree: required a whole number from 2 to 12, received 1"):
-        ns.System(["x", "y"], ["-x", "-y"]).larger_region(1)
-
-
 def test_a_region_is_found_in_a_line_of_python() -> None:
     """The disc of a contraction, whose level sets fill the square."""
     system = ns.System(["x", "y"], ["-x", "-y"])

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from typing import TypeAlias
 
 import numpy as np
 import pytest
@@ -28,14 +26,12 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays
 from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.floats import Floats
+from tests.oracles.wheels_in_floats import Contacts, J, NearestRows, Rate, followed
 from tests.proofs.forged import with_results
 from tests.thorough import few, keep, thorough
 
-Rate: TypeAlias = Callable[[Floats], Floats]
-
 ROLL = (1, Fraction(1, 2))
 SEEDS = range(120)
-J = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
 @cache
@@ -46,17 +42,13 @@ def decided(arrays: Arrays, seed: int) -> tuple[Scene, FeedbackResult]:
 
 def closed_loop(scene: Scene, law: CascadeLaw, eps: float = 1.0) -> Rate:
     """Pose rate under the law as its text says it, with the rows of rule nearest solved here; gain one."""
-    positions = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-    rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in scene.wheels])
+    rows = NearestRows(Contacts.of(scene))
     signs = {wheel.index: sign for wheel, sign in zip(law.wheels, law.signs, strict=True)}
-
-    def row(axis: Floats, k: int) -> Floats:
-        return np.array([*axis, axis @ (J @ positions[k])])
 
     def rate(pose: Floats) -> Floats:
         c, theta = pose[:2], pose[2]
-        i, j = np.argsort(((positions - c) ** 2).sum(axis=1))[:2]
-        p, d = positions[i], rims[i]
+        nearest = rows.at(c)[0].wheel
+        p, d = rows.contacts.positions[nearest], rows.contacts.rims[nearest]
         n = J @ d
         if law.descent is Descent.SLOW_TURNS:
             out = p / np.linalg.norm(p)
@@ -65,20 +57,11 @@ def closed_loop(scene: Scene, law: CascadeLaw, eps: float = 1.0) -> Rate:
             v = (1 - omega) * x * (J @ out)
         else:
             omega = -theta
-            v = np.linalg.norm(c) * signs[int(i) + 1] * d - (n @ (J @ p)) * omega * n
+            v = np.linalg.norm(c) * signs[nearest + 1] * d - (n @ (J @ p)) * omega * n
         wanted = np.array([*v, omega])
-        held = np.array([row(rims[i], i), row(J @ rims[i], i), row(rims[j], j)])
-        twist = np.linalg.solve(held, [held[0] @ wanted, 0.0, held[2] @ wanted])
-        return np.array([*(twist[:2] + twist[2] * (J @ c)), twist[2]])
+        return rows.rate(c, lambda own: own.row @ wanted)
 
     return rate
-
-
-def followed(rate: Rate, pose: Floats, until: float, step: float) -> Floats:
-    """Explicit midpoint steps: across rays the path chatters within a step."""
-    for _ in range(round(until / step)):
-        pose = pose + step * rate(pose + step / 2 * rate(pose))
-    return pose
 
 
 # ---- the laws serve ------------------------------------------------------------------------------
@@ -91,7 +74,7 @@ def test_full_turns_that_contract_bring_the_body_home(arrays: Arrays, seed: int,
     assert feedback.cascade is not None
     assert feedback.cascade.descent is Descent.TURNS
     start = np.array([0.03, 0.02, 0.02])
-    end = followed(closed_loop(scene, feedback.cascade), start, until=30, step=step)
+    end = followed(closed_loop(scene, feedback.cascade), start, until=30, step=step)[-1]
     assert np.linalg.norm(end) < 1e-4 * np.linalg.norm(start)
 
 
@@ -102,7 +85,7 @@ def test_inward_slides_bring_the_body_home(arrays: Arrays, step: float) -> None:
     law = find_cascade(build_fan(build_nearest_partition(scene)))
     assert law is not None
     assert law.descent is Descent.SLIDES
-    end = followed(closed_loop(scene, law), np.array([0.1, 0.05, 0.3]), until=12, step=step)
+    end = followed(closed_loop(scene, law), np.array([0.1, 0.05, 0.3]), until=12, step=step)[-1]
     assert np.abs(end).max() < 1e-3
 
 
@@ -116,7 +99,7 @@ def test_an_omniwheel_drive_comes_home_slowly_by_turning_to_and_fro(hundreds: in
     assert feedback.none_serves
     rate, pose, sizes = closed_loop(scene, feedback.cascade), np.array([0.05, 0.02, 0.1]), list[float]()
     for _ in range(hundreds):
-        pose = followed(rate, pose, until=100, step=step)
+        pose = followed(rate, pose, until=100, step=step)[-1]
         sizes.append(float(np.linalg.norm(pose)))
     assert 1e-4 < sizes[-1] < sizes[0] < 0.15 * 0.11  # |pose| itself goes up and down on the way
 
@@ -159,7 +142,7 @@ def test_the_simulated_law_is_the_written_one(arrays: Arrays, seed: int, until: 
     start = (0.03, 0.02, 0.2)
     field = feedback_field(partition, cascade_law(1.0, signs), Kinematics.EXACT)
     end = simulate(field, start, until).end.state
-    steps = followed(closed_loop(scene, law), np.array(start), until=until, step=1e-4)
+    steps = followed(closed_loop(scene, law), np.array(start), until=until, step=1e-4)[-1]
     assert np.abs(np.array(end, dtype=float) - steps).max() < 1e-4
 
 
@@ -171,7 +154,7 @@ def test_the_simulated_tangential_law_is_the_written_one() -> None:
     assert law is not None
     field = feedback_field(partition, tangential_law(1.0, 0.5), Kinematics.EXACT)
     end = simulate(field, (0.05, 0.02, 0.1), 3.0).end.state
-    steps = followed(closed_loop(scene, law, eps=2.0), np.array([0.05, 0.02, 0.1]), until=3.0, step=1e-4)
+    steps = followed(closed_loop(scene, law, eps=2.0), np.array([0.05, 0.02, 0.1]), until=3.0, step=1e-4)[-1]
     assert np.abs(np.array(end, dtype=float) - steps).max() < 1e-4
 
 

@@ -10,7 +10,6 @@ from typing import TypeAlias
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
@@ -38,6 +37,8 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays, WheelData
 from tests.four_wheel import CORNERS
 from tests.oracles.floats import Floats
+from tests.oracles.wheels_in_floats import places_of
+from tests.proofs.test_feedback import input_matrix
 from tests.thorough import few, keep
 
 # ---- Control Lyapunov functions ``c^T P c + w theta^2``: every P that serves is found, and what is found serves.
@@ -175,17 +176,6 @@ def shaped_results(count: int | None) -> list[tuple[Partition, FeedbackResult]]:
     return list(islice((pair for pair in every if pair[1].lyapunov != SQUARES), count))
 
 
-def inverse_rows(data: InputCell) -> NDArray[np.float64]:
-    """Twists for unit input at the nearest and the second wheel, by a float solve of the three rows."""
-    rows = []
-    for row in data.state.rows:
-        d = np.array([float(x) for x in row.wheel.unit_direction])
-        p = np.array([float(x) for x in row.wheel.position])
-        along = d if row.name.startswith("R") else np.array([-d[1], d[0]])
-        rows.append([*along, along @ [-p[1], p[0]]])
-    return np.linalg.inv(np.array(rows))[:, [0, 2]]
-
-
 def worst_rate(data: InputCell, lyapunov: ControlLyapunov, within: float, seed: int) -> float:
     """Largest ``V'/V`` under the law with gain one at random states of the cell, from the exact pose kinematics."""
     rng = np.random.default_rng(seed)
@@ -195,7 +185,7 @@ def worst_rate(data: InputCell, lyapunov: ControlLyapunov, within: float, seed: 
     c = rng.exponential(size=(SAMPLES, len(corners))) ** 2 @ corners
     c *= (within * rng.random(SAMPLES) / np.hypot(*c.T))[:, None]
     theta = rng.normal(size=SAMPLES) * np.hypot(*c.T) * 10 ** rng.uniform(-2, 2, SAMPLES)
-    g = inverse_rows(data)
+    g = input_matrix(data).T
     gradient = 2 * np.column_stack([c @ p, w * theta])
     turned = np.column_stack([-c[:, 1], c[:, 0]])
     rates = np.stack([(gradient[:, :2] * (g[:2, k] + g[2, k] * turned)).sum(axis=1) for k in (0, 1)])
@@ -212,7 +202,7 @@ def best_rate(data: InputCell, lyapunov: ControlLyapunov) -> float:
     angles = np.arctan2(corners @ [-y, x], corners @ [x, y]) + np.arctan2(y, x)
     c = np.array([(np.cos(t), np.sin(t)) for t in np.linspace(angles.min(), angles.max(), SAMPLES)])
     (e, f), w = (float(x) for x in lyapunov.shape), float(lyapunov.weight)
-    slopes, g = c @ np.array([[1 + e, f], [f, 1 - e]]), inverse_rows(data)
+    slopes, g = c @ np.array([[1 + e, f], [f, 1 - e]]), input_matrix(data).T
     sizes = np.sqrt((slopes * c).sum(axis=1))
     response = np.stack([(slopes @ g[:2]) / sizes[:, None], np.broadcast_to(g[2] * np.sqrt(w), (SAMPLES, 2))], axis=2)
     return float(np.linalg.svd(response, compute_uv=False).min() ** 2)
@@ -294,7 +284,7 @@ def sampled_level(feedback: FeedbackResult, scene: Scene) -> float:
     polygons = [np.array([[float(x) for x in v] for v in data.cell.polygon.vertices]) for data in feedback.cells]
     size = max(np.abs(polygon).max() for polygon in polygons)
     corners = size * np.array([[1.0, 1], [-1, 1], [-1, -1], [1, -1]])
-    wheels = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    wheels = places_of(scene)
     borders = [corners, wheels[ConvexHull(wheels).vertices]]
     for data, polygon in zip(feedback.cells, polygons, strict=True):
         touches = np.abs(polygon @ shape @ [float(x) for x in data.nearest.direction])

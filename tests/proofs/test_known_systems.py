@@ -34,10 +34,10 @@ from tests.proofs.system_families import Known as KnownPlanar
 from tests.proofs.system_families import families
 from tests.thorough import few, keep, thorough
 
-# ---- Known systems in families: every third here, all of them in tests/benchmarks ----------------
+# ---- Known systems in families -------------------------------------------------------------------
 
 SLOW = {"relay, viscous 1/4", "damping at one side only"}
-CHOSEN = [known for known in list(families())[::3] if known.name not in SLOW]
+FAMILIES = sorted(families(), key=lambda known: known.name in SLOW)  # `make test` keeps the first
 
 
 def system_of(known: KnownPlanar) -> SwitchedSystem:
@@ -46,7 +46,7 @@ def system_of(known: KnownPlanar) -> SwitchedSystem:
 
 
 @few(1)
-@pytest.mark.parametrize("known", CHOSEN, ids=lambda known: known.name)
+@pytest.mark.parametrize("known", FAMILIES, ids=lambda known: known.name)
 def test_systems_in_families(known: KnownPlanar) -> None:
     system = system_of(known)
     result = decide_system(system)
@@ -63,8 +63,7 @@ def test_systems_in_families(known: KnownPlanar) -> None:
 
 
 def test_there_are_enough_families() -> None:
-    assert len(list(families())) >= 60
-    assert len({known.name for known in families()}) == len(list(families()))
+    assert len({known.name for known in FAMILIES}) == len(FAMILIES) >= 60
 
 
 # ---- Systems in three to six states whose stability is known: truth, source, and what is said here.
@@ -249,29 +248,30 @@ def test_verdicts_agree_with_paths(seed: int, units: int) -> None:
 
 
 # ---- Plain systems tied at the equilibrium: no verdict contradicts what the formulas do there as numbers.
-#
-# The large version with counts is ``tests/benchmarks/test_plain_ties_at_large.py``.
 
 ZERO = ("0", "0")
 
 
-@few(1)
-@pytest.mark.parametrize("seed", range(0, 100, 5))
-def test_equilibria_of_tied_systems(load: Load, seed: int) -> None:
-    for k in range(seed, seed + 5):
+@pytest.mark.parametrize(
+    "seeds", keep(1, [range(5), range(5, 100), *(range(k, k + 250) for k in range(10_000, 15_000, 250))])
+)
+def test_equilibria_of_tied_systems(load: Load, seeds: range) -> None:
+    for k in seeds:
         tie = random_tie(k)
         found = decide_equilibrium(plane_cells(load(*tie.rhs)))
         assert found is not Equilibrium.UNDECIDED
         assert (found is Equilibrium.HOLDS) == Oracle(tie).rests_at_origin(), tie
 
 
-@few(1)
-@pytest.mark.parametrize("seed", [*range(1000, 1012)])
-def test_verdicts_on_tied_systems(load: Load, seed: int) -> None:
-    tie = random_tie(seed)
-    result = decide_system(load(*tie.rhs))
-    assert result.check()
-    assert contradictions(result, Oracle(tie)) == [], tie
+@pytest.mark.parametrize(
+    "seeds", keep(1, [[1000], range(1001, 1012), *(range(k, k + 30) for k in range(10_000, 10_300, 30))])
+)
+def test_verdicts_on_tied_systems(load: Load, seeds: Sequence[int]) -> None:
+    for seed in seeds:
+        tie = random_tie(seed)
+        result = decide_system(load(*tie.rhs))
+        assert result.check()
+        assert contradictions(result, Oracle(tie)) == [], tie
 
 
 # ---- the oracle itself, where the answer is plain ----------------------------------------------------

@@ -17,6 +17,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_states import rows_with_friction
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.floats import Floats
+from tests.oracles.wheels_in_floats import places_of
 
 BESIDE = 1e-4  # of a side
 
@@ -57,7 +58,7 @@ def test_with_three_wheels_the_areas_are_the_cells_of_the_one_load() -> None:
 def test_minimizers_under_random_loads_are_possible_where_they_are() -> None:
     scene = load_scene("four-wheel", rule="box")
     twists, rng = possible_twists(scene), np.random.default_rng(3)
-    model, places = contact_model(scene), np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    model, places = contact_model(scene), places_of(scene)
     loads = rng.dirichlet(np.full(4, 0.6), 60)
     found = BoxHighs().minimize(model, loads).twists
     vectors = np.array([[float(x) for x in each.state.twist] for each in twists])

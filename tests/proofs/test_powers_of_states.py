@@ -152,25 +152,6 @@ def test_points_off_zero_need_rational_roots() -> None:
     assert signed_root(Fraction(-8, 27), 3) == Fraction(-2, 3)
 
 
-BAD = [
-    ("-Abs(x + y)**(1/2)", "required roots of Abs of a state, such as Abs(x)**(1/2)"),
-    ("-x**(1/3)", "required roots of Abs of a state, such as Abs(x)**(1/3)"),
-    ("-Abs(x)**(-1/2)", "powers of Abs(x) above 0"),
-    ("-Abs(x)**(1/13)", "with a common denominator up to 8"),
-    ("-Abs(x)**(1/5) - Abs(x)**(1/7)", "with a common denominator up to 8"),
-    ("-Abs(x)**sqrt(2)", "an integer exponent"),
-    ("-Abs(x)**y", "an integer exponent"),
-]
-
-
-@pytest.mark.parametrize(("formula", "words"), BAD)
-def test_other_powers_are_refused_in_one_line(formula: str, words: str) -> None:
-    with pytest.raises(SceneError) as raised:
-        built([formula, "-y"])
-    assert words in str(raised.value)
-    assert "\n" not in str(raised.value)
-
-
 # In three states: right-hand sides, the point, the verdict, and whether it has a certificate.
 SPACE: list[tuple[list[str], list[str], Translation, bool]] = [
     (["1/2 - sqrt(Abs(x))", "sqrt(Abs(x)) - sqrt(Abs(y))", "sqrt(Abs(y)) - sqrt(Abs(z))"], ["1/4"] * 3, ATTRACTS, True),

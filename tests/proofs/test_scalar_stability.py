@@ -18,7 +18,6 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.reports.checks.check import check_system
-from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.oracles.floats import value
 from tests.oracles.mutants import Record
 from tests.plain import built
@@ -107,11 +106,6 @@ def test_forged_evidence_is_refused() -> None:
     farther = replace(sides, right=replace(sides.right, reach=result.scene.check.radius))
     assert not with_deciding(result, proofs=farther).check()
     assert not with_deciding(result, verdict=LEAVES).check()
-
-
-def test_denominators_that_vanish_are_refused_in_one_line() -> None:
-    with pytest.raises(SceneError, match="does not vanish on the checked interval"):
-        decide_system(built(["-x/(x + 1/4)"]))
 
 
 def test_the_region_is_in_the_state() -> None:

@@ -281,28 +281,6 @@ def test_instability_beside_multiples_of_a_state_under_a_root_is_certified() -> 
     assert (refused(record), record["statement"]["claims"]) == ("", [{"stability": "unstable"}])
 
 
-BAD = [
-    (["-sqrt(Abs(x + y))", "-y"], "sqrt"),
-    (["-sqrt(x)", "-y"], "sqrt"),
-    (["-sqrt(Abs(x))*sgn(x)", "-sqrt(1 + Abs(y))"], "sqrt"),
-    (["-sqrt(Abs(x))*sgn(x) + sin(sin(x))", "-y"], "sin, cos, tanh, atan and exp"),
-    (["-sqrt(Abs(x), 2)", "-y"], "formula"),
-]
-
-
-@pytest.mark.parametrize(("rhs", "word"), BAD)
-def test_other_roots_are_refused_in_one_line(rhs: list[str], word: str) -> None:
-    with pytest.raises(SceneError) as raised:
-        built(rhs)
-    assert word in str(raised.value)
-    assert "\n" not in str(raised.value)
-
-
-def test_a_sine_that_is_refused_is_written_with_what_its_root_is() -> None:
-    with pytest.raises(SceneError, match=r"up to a multiple of pi, received root_x\*\*2 with root_x = sgn\(x\)\*sqrt"):
-        built(["1 - sqrt(Abs(x))", "-y + sin(x)"], equilibrium=[1, 0])
-
-
 def test_an_interval_of_starts_is_that_of_the_state() -> None:
     """Half of the stated width is that of the root."""
     result = decide_system(built([f"-{ROOT}"]))

@@ -294,6 +294,12 @@ def test_all_verdicts_occur(arrays: Arrays) -> None:
     assert {"stable", "asymptotically stable", "unstable", "no equilibrium"} <= set(seen)
 
 
+@thorough  # five hundred arrays, 32 starts each
+def test_few_verdicts_are_open(arrays: Arrays) -> None:
+    seen = Counter(compare_with_trajectories(arrays, seed, starts=32) for seed in range(1000, 1500))
+    assert seen["undecided"] <= 0.02 * 500
+
+
 # ---- What the checker accepts about translation, against paths that share no theory with it ------
 #
 # The workbench's own decision of an array that is built anew rests on the checker's theorems: an error in these would

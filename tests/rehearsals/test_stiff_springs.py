@@ -33,6 +33,7 @@ from nonsmooth.symbolic.mechanics.contact_set import with_only
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from tests.oracles.wheels_in_floats import places_of
 from tests.rehearsals.stiff_springs import StiffSprings
 from tests.springs import least_energy
 
@@ -50,13 +51,13 @@ def stiff(name: str, rule: str = "ellipse") -> Scene:
 
 def places(scene: Scene) -> Floats:
     """Places in the hull of the wheels, some near its border, where wheels have lifted off."""
-    wheels = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    wheels = places_of(scene)
     return np.random.default_rng(0).dirichlet(np.full(len(wheels), 0.4), 12) @ wheels
 
 
 def energy_least(scene: Scene, place: Floats, springs: Sequence[int] = STIFFNESS) -> Floats:
     """Loads of springs of equal height."""
-    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    places = places_of(scene)
     return least_energy(places, np.array(springs[: len(places)], float), np.zeros(len(places)), place)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import re
 from collections import Counter
 from dataclasses import replace
@@ -30,6 +29,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.mechanics.scene import LoopErrors
+from tests.oracles.wheels_in_floats import places_of
 from tests.outlined import polygon_depths
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
@@ -84,22 +84,6 @@ def test_a_body_over_all_wheels_changes_no_verdict(name: str, rule: str, invoke:
     assert covered[1]["contact_set"]["angle"] is None
 
 
-def test_the_first_lines_say_who_carries(carton: str, invoke: Invoke, tmp_path: Path) -> None:
-    text = " ".join(invoke("check", carton).out.split())
-    assert "rectangle 13/5 x 8/5: wheels 15, 16, 21, 22 of 36 carry it" in text
-    assert "for certain within 0.2 of here, or 0.1264 rad of this heading" in text
-    bare = " ".join(invoke("check", "four-wheel").out.split())
-    assert "all wheels carry the body, at every pose: the scene names no [body]" in bare
-    file = tmp_path / "heavy.toml"
-    table = 'units = { length = "mm" }\ngrid = { rows = 2, columns = 2, pitch = 200 }\n'
-    wheels = 'friction = { mu_roll = 1, mu_side = 0.5 }\nfield = { kind = "radial", speed = 100 }\n'
-    file.write_text(f"{table}{wheels}body = {{ mass = 2.5, inertia = 52083 }}\n")
-    heavy = " ".join(invoke("check", str(file)).out.split())
-    assert "all wheels carry the body, at every pose: the scene states no shape of it" in heavy
-    path = " ".join(invoke("simulate", str(file), "--from", "1,0,0").out.split())
-    assert "mm of its end already at the start" in path
-
-
 @pytest.mark.parametrize("rule", keep(2, CONTACT_RULES))
 def test_the_wheels_that_carry_are_an_array_of_their_own(
     carton: str, rule: str, invoke: Invoke, tmp_path: Path
@@ -112,57 +96,6 @@ def test_the_wheels_that_carry_are_an_array_of_their_own(
         assert own[clause]["verdict"] == four[clause]["verdict"]
     assert own["answers"]["position"]["verdict"] == four["answers"]["position"]["verdict"]
     assert own["translation"]["worst_rate"] == four["translation"]["worst_rate"]
-
-
-@pytest.mark.parametrize("rule", CONTACT_RULES)
-def test_tipping_is_the_answer_under_every_rule(rule: str, carton: str, invoke: Invoke) -> None:
-    status, found = record(invoke, "check", carton, "--at", "2.9,2.9", "--rule", rule)
-    assert status == 1
-    assert found["answers"]["position"]["verdict"] == "tips"
-    assert found["contact_set"]["wheels"] == [36]
-    assert found["theorem4"]["verdict"] == "hypotheses not met"
-
-
-def test_what_tips_says_over_which_edge_and_how_far_and_is_drawn(carton: str, invoke: Invoke, tmp_path: Path) -> None:
-    """The carton is 2.6 wide: at (2.7, 0) the columns of wheels at 1.5 and 2.5 carry it, and it is 0.2 beyond these."""
-    done = invoke("check", carton, "--at", "2.7,0")
-    assert "its centre of mass 0.2 beyond the line through wheels" in " ".join(done.out.replace("\u2502", " ").split())
-    picture = tmp_path / "tips.svg"
-    drawn = invoke("partition", carton, "--at", "2.7,0", "--show", "array", "-o", str(picture))
-    assert (drawn.status, "0.2 beyond" in drawn.out) == (0, True)
-    shown = picture.read_text(encoding="utf-8")
-    assert "hull of the wheels under it" in shown
-    assert "wheel that does not carry it" in shown
-    assert invoke("partition", carton, "--at", "2.7,0").status == 2
-
-
-@pytest.mark.parametrize("flag", [("--certificate", "c.json"), ("--law", "law.py")], ids=("certificate", "law"))
-def test_a_body_that_tips_has_no_file_beside_the_answer(
-    flag: tuple[str, str], carton: str, invoke: Invoke, tmp_path: Path
-) -> None:
-    done = invoke("check", carton, "--at", "2.9,2.9", flag[0], str(tmp_path / flag[1]))
-    assert done.status == 2
-    assert "tips" in done.out
-    assert done.err.endswith("received one that tips\n")
-    assert not (tmp_path / flag[1]).exists()
-
-
-def test_what_is_not_said_of_a_body_that_tips_is_named(carton: str, invoke: Invoke) -> None:
-    done = invoke("check", carton, "--at", "2.9,2.9", "--continuum", "--fail", "any")
-    assert (done.status, done.err) == (1, f"{carton}: --continuum and --fail: nothing is said of a body that tips\n")
-
-
-def test_tipping_among_many_scenes(carton: str, invoke: Invoke) -> None:
-    done = invoke("check", carton, "four-wheel", "--at", "2.9,2.9")
-    assert done.status != 0
-    assert "tips" in done.out
-
-
-def test_certificates_speak_of_the_wheels_that_carry(carton: str, invoke: Invoke, tmp_path: Path) -> None:
-    file = str(tmp_path / "c.json")
-    assert invoke("check", carton, "--certificate", file).status == 0
-    assert invoke("verify", file, carton).status == 0
-    assert invoke("verify", file, carton, "--at", "1/10,0").status == 1
 
 
 @pytest.mark.parametrize(
@@ -199,12 +132,6 @@ def test_a_path_of_every_kind_through_the_command(
     tips = invoke("simulate", carton, *options, "--from", "2.9,2.9,0")
     assert (tips.status, tips.out) == (2, "")
     assert tips.err.endswith("where the body stands on its wheels, received one where it tips over wheel 36\n")
-
-
-def test_reports_name_the_wheels_that_carry(carton: str, invoke: Invoke) -> None:
-    done = invoke("derive", carton, "--only", "answers,verdict")
-    assert done.status == 0
-    assert "wheels 15, 16, 21, 22 of 36 carry it" in " ".join(done.out.split())
 
 
 @pytest.mark.parametrize("rule", keep(1, ["nearest", "ellipse"]))
@@ -263,14 +190,6 @@ def test_json_and_table_are_the_same_numbers(large_carton: Path, invoke: Invoke)
         assert record["destinations"][number]["reason"] == end["reason"]
     assert record["ends"][0]["reason"] == "the body tips"
     assert any(end["reason"] == "the body rests" for end in record["ends"])
-
-
-def test_a_terminal_says_sampled_and_how_many_tip(large_carton: Path, invoke: Invoke) -> None:
-    out = invoke("simulate", "carton.toml", "--grid", "3").out
-    assert "sampled" in out
-    assert "the body tips" in out
-    assert "tip where they start" in out
-    assert "proved" not in out
 
 
 def test_bodies_that_still_move_are_told_apart_by_where_they_are(large_carton: Path, invoke: Invoke) -> None:
@@ -397,7 +316,7 @@ def first_change(path: Trajectory) -> float:
     scene = load_scene("carton-on-6x6")
     assert scene.body is not None
     corners = np.array([[float(x) for x in corner] for corner in scene.body.vertices])
-    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    places = places_of(scene)
     first = polygon_depths(corners, places, np.array(path.at(0.0))) > 0
     for time in np.linspace(0.0, 2.0, LOOKS):
         if ((polygon_depths(corners, places, np.array(path.at(time))) > 0) != first).any():
@@ -449,31 +368,6 @@ def test_a_loop_that_keeps_its_wheels_goes_on(rule: str) -> None:
     path, whole = closed_loop(STAYS, rule), as_if_without_outline(STAYS, rule)
     assert first_change(whole) == np.inf
     assert path.end == whole.end
-
-
-def test_the_command_says_for_which_wheels_an_imposed_twist_is_certified(invoke: Invoke) -> None:
-    start = ",".join(map(str, LEAVES))
-    done = invoke("simulate", "carton-on-6x6", "--rule", "box", "--from", start, "--feedback")
-    assert done.status == 0
-    assert "certified while wheels 15, 16, 21, 22 carry the body" in " ".join(done.out.split())
-    assert "wheel 14 under the body" in " ".join(done.out.split())
-
-
-def test_the_command_says_for_which_wheels(invoke: Invoke, tmp_path: Path) -> None:
-    start = ",".join(map(str, LEAVES))
-    options = ("simulate", "carton-on-6x6", "--rule", "nearest", "--from", start, "--feedback")
-    done = invoke(*options)
-    assert done.status == 0
-    assert "certified while wheels 15, 16, 21, 22 carry the body" in " ".join(done.out.split())
-    found = json.loads(invoke(*options, "--json", "-o", str(tmp_path / "loop.csv")).out)
-    assert found["end"]["reason"] == "a wheel enters or leaves: the law is certified for the wheels before"
-    assert len(found["speeds"][0]) == 4
-    for name in ("loop.html", "loop.svg"):
-        assert invoke(*options, "-o", str(tmp_path / name)).status == 0
-    assert (tmp_path / "loop.csv").read_text().startswith("t,x,y,theta,u_15,u_16,u_21,u_22")
-    drawn = (tmp_path / "loop.svg").read_text()
-    assert "u_15" in drawn
-    assert "u_1<" not in drawn
 
 
 def test_every_event_has_a_mark() -> None:

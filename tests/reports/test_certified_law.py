@@ -17,7 +17,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.contact_partition import build_partition
@@ -30,14 +29,13 @@ from nonsmooth.reports.output.document import Figure, Math, Paragraph, Section, 
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.conftest import Arrays
 from tests.oracles.floats import Floats
+from tests.oracles.wheels_in_floats import Contacts, J, NearestRows, Rate, followed, pose_rate
 from tests.reports.conftest import Invoke
 from tests.reports.derived import derived
 from tests.thorough import few, keep, thorough
 
-Rate: TypeAlias = Callable[[Floats], Floats]
 Record: TypeAlias = dict[str, Any]
 
-J = np.array([[0.0, -1.0], [1.0, 0.0]])
 GRADIENT = (
     "four-wheel", "rectangle", "ring-3", "ring-5", "ring-6", "ring-8", "grid-4x4", "elliptic", "spiral-30", "outward",
 )  # fmt: skip
@@ -49,95 +47,56 @@ check = {{ equilibrium = [{x}, {y}], radius = "1/2" }}
 """
 
 
-class Array:
-    """Wheels in floats, c measured from the checked point."""
-
-    def __init__(self, name: str, rule: str) -> None:
-        scene = load_scene(name, rule=rule).recentred()
-        self.positions = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-        self.rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in scene.wheels])
-        self.frictions = np.array([[float(w.friction.roll), float(w.friction.side)] for w in scene.wheels])
-        self.radius = float(scene.check.radius)
-        self._taken: dict[bytes, list[tuple[int, bool, Floats]]] = {}
-
-    def row(self, wheel: int, axis: Floats) -> Floats:
-        """``axis . (v + omega J p)`` as a row on (v, omega)."""
-        return np.array([*axis, axis @ (J @ self.positions[wheel])])
-
-    def nearest_rows(self, c: Floats) -> list[tuple[int, bool, Floats]]:
-        """Wheels by distance, the row of larger friction first, greedily while independent: (wheel, is roll, row)."""
-        order = np.argsort(((self.positions - c) ** 2).sum(axis=1), kind="stable")
-        key = order.tobytes()
-        if key not in self._taken:
-            self._taken[key] = self._greedy_rows(order)
-        return self._taken[key]
-
-    def _greedy_rows(self, order: NDArray[np.intp]) -> list[tuple[int, bool, Floats]]:
-        chosen: list[tuple[int, bool, Floats]] = []
-        for wheel in order:
-            rows = [(int(wheel), True, self.row(wheel, self.rims[wheel]))]
-            rows.append((int(wheel), False, self.row(wheel, J @ self.rims[wheel])))
-            for entry in rows if self.frictions[wheel, 0] > self.frictions[wheel, 1] else rows[::-1]:
-                held = np.array([*(row for _, _, row in chosen), entry[2]])
-                if len(chosen) < 3 and np.linalg.svd(held, compute_uv=False)[-1] > 1e-9:
-                    chosen.append(entry)
-        return chosen
+def literal_rows(source: str, rule: str = "nearest") -> NearestRows:
+    """Of a scene's wheels in floats, c measured from the checked point."""
+    return NearestRows(Contacts.of(load_scene(source, rule=rule).recentred()))
 
 
-def pose_rate(twist: Floats, c: Floats) -> Floats:
-    return np.array([*(twist[:2] + twist[2] * (J @ c)), twist[2]])
-
-
-def gradient_rate(array: Array, shape: Floats, weight: float) -> Rate:
+def gradient_rate(rows: NearestRows, shape: Floats, weight: float) -> Rate:
     """``u = -(a, b)`` as the clause's text writes it, gain one."""
+    array = rows.contacts
 
     def rate(pose: Floats) -> Floats:
         c, theta = pose[:2], pose[2]
-        rows = array.nearest_rows(c)
-        (i, _, _), (_, _, _), (j, is_roll, _) = rows
-        assert is_roll
+        first, _, second = rows.at(c)
+        i, j = first.wheel, second.wheel
+        assert second.is_roll
         di, dj, pi, pj = array.rims[i], array.rims[j], array.positions[i], array.positions[j]
         slope = shape @ c
         b = (weight * theta - slope @ (J @ (pi - c))) / (dj @ (J @ (pj - pi)))
         a = slope @ di - (di @ dj) * b
         wanted = {i: -a, j: -b}
-        right = [wanted[wheel] if roll else 0.0 for wheel, roll, _ in rows]
-        return pose_rate(np.linalg.solve(np.array([row for _, _, row in rows]), right), c)
+        return rows.rate(c, lambda own: wanted[own.wheel])
 
     return rate
 
 
-def slow_rate(array: Array, length: float) -> Rate:
+def slow_rate(rows: NearestRows, length: float) -> Rate:
     """The law of slow turns as the clause's text writes it, gain one."""
 
     def rate(pose: Floats) -> Floats:
         c, theta = pose[:2], pose[2]
-        rows = array.nearest_rows(c)
-        p = array.positions[rows[0][0]] / np.linalg.norm(array.positions[rows[0][0]])
+        nearest = rows.contacts.positions[rows.at(c)[0].wheel]
+        p = nearest / np.linalg.norm(nearest)
         r, s = c @ p, c @ (J @ p)
         omega = s / length - (theta - s * s / (2 * r * length))
         wanted = np.array([*((1 - omega) * r * (J @ p)), omega])
-        right = [row @ wanted if roll else 0.0 for _, roll, row in rows]
-        return pose_rate(np.linalg.solve(np.array([row for _, _, row in rows]), right), c)
+        return rows.rate(c, lambda own: own.row @ wanted)
 
     return rate
 
 
-def followed(rate: Rate, pose: Floats, until: float, step: float) -> list[Floats]:
-    """Explicit midpoint steps: across rays the path chatters within a step."""
-    path = [pose]
-    for _ in range(round(until / step)):
-        path.append(path[-1] + step * rate(path[-1] + step / 2 * rate(path[-1])))
-    return path
+def radius_of(name: str) -> float:
+    return float(load_scene(name).check.radius)
 
 
 def certified_rate(name: str, record: Record) -> tuple[Rate, float]:
     """The rate of the certified law of rule ``nearest``, and a time in which the body comes most of the way home."""
-    array = Array(name, "nearest")
+    rows = literal_rows(name)
     if record["cascade"] is not None:
-        return slow_rate(array, array.radius), 200.0
+        return slow_rate(rows, radius_of(name)), 200.0
     shape, weight = np.array(record["lyapunov"]["P"]), record["lyapunov"]["w"]
-    return gradient_rate(array, shape, weight), min(5 / record["rate"], 60.0)
+    return gradient_rate(rows, shape, weight), min(5 / record["rate"], 60.0)
 
 
 def small_starts(region: float) -> list[Floats]:
@@ -162,7 +121,7 @@ def test_small_starts_come_home_under_the_certified_law(invoke: Invoke, name: st
         path = followed(rate, start, until, until / 2000)
         sizes = np.linalg.norm(path, axis=1)
         assert sizes[-1] < 0.45 * sizes[0], (start, sizes[-1])
-        assert np.abs(np.array(path)[:, :2]).max() < Array(name, "nearest").radius
+        assert np.abs(np.array(path)[:, :2]).max() < radius_of(name)
         shown = invoke("simulate", name, "--rule", "nearest", "--from", typed(start), "--feedback", "--until",
                        f"{until:.6g}", "--json").record  # fmt: skip
         assert shown["law"]["certified"] is True
@@ -211,7 +170,7 @@ def test_errors_fall_at_the_certified_rate_from_wherever_it_is_said_to_hold(invo
     shape, weight = np.array(feedback["lyapunov"]["P"]), feedback["lyapunov"]["w"]
     stated, whole = (float(found) for found in re.findall(r"below (\d\.\d+)", said["reason"]))
     assert whole**2 == pytest.approx(feedback["region"]["level"], rel=1e-3)
-    rate = gradient_rate(Array(str(file), "nearest"), shape, weight)
+    rate = gradient_rate(literal_rows(str(file)), shape, weight)
 
     def slowest(error: float) -> float:
         """The least ``-V'/(2 V)`` on the level of an error, over directions of the pose."""
@@ -349,54 +308,31 @@ def test_a_path_from_outside_the_region_contradicts_nothing(invoke: Invoke) -> N
 # ---- the other rules -----------------------------------------------------------------------------
 
 
-def elastic_loads(array: Array, c: Floats) -> Floats:
-    """``min |N|^2`` with ``sum N = 1`` and ``sum N p = c``; no spring lifts off near the middle of these arrays."""
-    balance = np.vstack([np.ones(len(array.positions)), array.positions.T])
-    loads: Floats = np.linalg.pinv(balance) @ np.array([1.0, *c])
-    assert (loads > 0).all()
-    return loads
-
-
-def box_minimizer(array: Array, c: Floats, speeds: Floats) -> Floats:
+def box_minimizer(array: Contacts, c: Floats, speeds: Floats) -> Floats:
     """``sum N (mu_R |r| + mu_S |s|)`` as a linear program."""
-    from scipy.optimize import linprog
-
-    rows = np.array([array.row(k, axis) for k, d in enumerate(array.rims) for axis in (d, J @ d)])
-    targets = np.zeros(len(rows))
-    targets[0::2] = speeds
-    weights = (array.frictions * elastic_loads(array, c)[:, None]).ravel()
-    count = len(rows)
-    slack = np.eye(count)
-    found = linprog(
-        np.concatenate([np.zeros(3), weights]),
-        np.block([[rows, -slack], [-rows, -slack]]),
-        np.concatenate([targets, -targets]),
-        bounds=[(None, None)] * 3 + [(0, None)] * count,
-    )
-    assert found.success
-    return np.asarray(found.x[:3])
+    return array._replace(speeds=speeds).box(list(range(len(speeds))), c)
 
 
-def ellipse_minimizer(array: Array, c: Floats, speeds: Floats) -> Floats:
+def ellipse_minimizer(array: Contacts, c: Floats, speeds: Floats) -> Floats:
     """``sum N sqrt(mu_R^2 r^2 + mu_S^2 s^2)`` by least squares, reweighted until the twist stands still."""
     size = float(np.abs(speeds).max())
-    rows = np.array([array.row(k, axis) for k, d in enumerate(array.rims) for axis in (d, J @ d)])
-    targets = np.zeros(len(rows))
-    targets[0::2] = speeds
-    scale = array.frictions.ravel()
-    loads = elastic_loads(array, c)
-    twist = np.zeros(3)
+    loads_of_wheels = array.loads(list(range(len(speeds))), c)
+    carrying, loads = list(loads_of_wheels), np.array(list(loads_of_wheels.values()))
+    rows, targets = array._replace(speeds=speeds).rows(carrying)
+    scale = array.friction[carrying].ravel()
+    twist: Floats = np.zeros(3)
     for _ in range(400):
         slips = (scale * (rows @ twist - targets)).reshape(-1, 2)
         own = np.sqrt((slips**2).sum(axis=1) + (1e-7 * size) ** 2)
         weights = np.repeat(loads / own, 2) * scale**2
-        before, twist = twist, np.linalg.solve(rows.T @ (weights[:, None] * rows), rows.T @ (weights * targets))
+        normal, right = rows.T @ (weights[:, None] * rows), rows.T @ (weights * targets)
+        before, twist = twist, np.asarray(np.linalg.solve(normal, right), float)
         if np.abs(twist - before).max() < 1e-9 * size:
             break
     return twist
 
 
-def imposed_rate(array: Array, cones: list[Record], minimizer: Callable[[Array, Floats, Floats], Floats]) -> Rate:
+def imposed_rate(array: Contacts, cones: list[Record], minimizer: Callable[[Contacts, Floats, Floats], Floats]) -> Rate:
     """The law of the clause: of the cone's three twists the one of largest ``|g . xi_l|``, by its speeds."""
 
     def holds(cone: Record, c: Floats) -> bool:
@@ -427,7 +363,7 @@ def test_small_starts_come_home_under_the_other_rules(invoke: Invoke, name: str,
     record = invoke("check", name, "--rule", rule, "--json").record["feedback"]
     assert record["verdict"] == "stabilizable"
     minimizer = box_minimizer if rule == "box" else ellipse_minimizer
-    rate = imposed_rate(Array(name, rule), record["cones"], minimizer)
+    rate = imposed_rate(literal_rows(name, rule).contacts, record["cones"], minimizer)
     reach = record["rate_reach"] or 0.02
     for start in small_starts(0.2 * reach)[:count]:
         until = min(4 / record["rate"], 30.0)

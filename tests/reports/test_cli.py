@@ -22,7 +22,7 @@ from nonsmooth.analysis.trajectories.result import LyapunovViolationError, Traje
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import BAD_INPUT, run
-from nonsmooth.symbolic.files.documents import builtin_scenes, builtin_systems, builtin_vehicles
+from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.formulas.expression import parse
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -118,32 +118,6 @@ def test_wheels_on_one_line_have_no_support_polygon(
     assert support["distance"] is None
     assert "the body tips at c*" in support["note"]
     assert "the body tips at c*" in " ".join(invoke("check", "line.toml").out.split())
-
-
-# ---- the rules box and ellipse -------------------------------------------------------------------
-
-
-@pytest.mark.usefixtures("without_paths")
-def test_all_rules_at_once(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
-    outcome = invoke("check", "four-wheel-side", "--rule", "all", "--json")
-    record = outcome.record
-    assert (outcome.status, record["schema"]) == (1, "nonsmooth-checks/1")
-    assert [check["rule"] for check in record["checks"]] == ["nearest", "box", "ellipse", "roller"]
-    monkeypatch.setenv("COLUMNS", str(COLUMNS))
-    text = invoke("check", "four-wheel-side", "--rule", "all", "--evidence").out
-    assert [f"rule {rule}" in text for rule in ("nearest", "box", "ellipse", "roller")] == [True] * 4
-    assert text.count("Filippov set: hull") == 1  # the legend once
-
-
-# ---- partition and scenes ------------------------------------------------------------------------
-
-
-def test_scenes_lists_the_built_in_names(invoke: Invoke) -> None:
-    record = invoke("scenes", "--json").record
-    names = (*builtin_scenes(), *builtin_systems(), *builtin_vehicles())
-    assert tuple(scene["name"] for scene in record["scenes"]) == names
-    text = invoke("scenes").out
-    assert all(name in text for name in builtin_scenes())
 
 
 # ---- what people see -----------------------------------------------------------------------------
@@ -413,12 +387,6 @@ def test_a_path_that_cannot_go_on_is_refused_and_a_violated_bound_is_a_fault(
     assert "four-wheel: no Filippov continuation" in outcome.err or status == 70
 
 
-def test_why_there_are_no_headings_of_rest_is_said(invoke: Invoke) -> None:
-    said = invoke("check", "four-wheel", "--headings").err
-    assert said.startswith("four-wheel: --headings: none to look for: without an outline of the body")
-    assert said.count("\n") == 1
-
-
 # ---- ``nonsmooth check`` for many scenes: one line each, all records, the worst exit status ------
 
 TIPPING = """
@@ -435,25 +403,6 @@ radius = 1
 """
 
 
-@few(1)
-@pytest.mark.parametrize(
-    ("scenes", "worst"),
-    [
-        (["four-wheel", "ring-3"], 0),
-        (["four-wheel", "eq-4", "flower"], 0),
-        (["four-wheel", "outward", "eq-3"], 1),
-        (["four-wheel", "off-center"], 1),
-    ],
-)
-def test_every_scene_has_its_line_and_the_worst_status_counts(invoke: Invoke, scenes: list[str], worst: int) -> None:
-    single = [invoke("check", scene)[0] for scene in scenes]
-    status, out, err = invoke("check", *scenes)
-    assert (status, err) == (worst, "")
-    assert status == max(single)
-    lines = [line.split("│")[1].strip() for line in out.splitlines() if line.startswith("│")]
-    assert [name for name in lines[1:] if name] == scenes
-
-
 @pytest.mark.usefixtures("few_paths")
 def test_records_are_those_of_the_single_checks(invoke: Invoke) -> None:
     scenes = ["four-wheel", "eq-4", "differential-drive"]
@@ -465,17 +414,6 @@ def test_records_are_those_of_the_single_checks(invoke: Invoke) -> None:
         alone.pop("seconds", None)
         record.pop("seconds", None)
         assert record == alone
-
-
-@pytest.mark.usefixtures("without_paths", "without_other_rules")
-def test_every_rule_of_every_scene(invoke: Invoke) -> None:
-    status, out, _ = invoke("check", "four-wheel-side", "ring-3", "--rule", "all", "--json")
-    records = json.loads(out)["checks"]
-    found = [(record["scene"], record["rule"]) for record in records]
-    assert found == [
-        (scene, rule) for scene in ("four-wheel-side", "ring-3") for rule in ("nearest", "box", "ellipse", "roller")
-    ]
-    assert status in (1, 3)
 
 
 @pytest.mark.usefixtures("without_paths", "without_other_rules")

@@ -9,14 +9,12 @@ import math
 import sys
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.optimize import minimize
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -36,6 +34,7 @@ from nonsmooth.reports.simulations import system_maps
 from nonsmooth.reports.simulations.maps import SettleMapResult
 from nonsmooth.reports.simulations.system_maps import SystemMap, Whereabouts, mapped
 from nonsmooth.symbolic.files.scene_file import load_system
+from tests.oracles.ellipse_dissipation import EllipseDissipation
 from tests.proofs.forged import with_deciding, with_reach
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
@@ -258,18 +257,6 @@ def test_maps_of_built_in_systems_contradict_nothing(name: str) -> None:
         assert mapped(portrait, 3, until).contradictions == ()
 
 
-def test_the_command_writes_every_form(invoke: Invoke, tmp_path: Path) -> None:
-    grid = ("simulate", "eq-4", "--grid", "2", "--until", "0.2")
-    record = invoke(*grid, "--json", "-o", str(tmp_path / "map.csv")).record
-    assert record["schema"] == "nonsmooth-system-map/1"
-    assert sum(record["shares"].values()) == pytest.approx(1)
-    assert "proved" in invoke(*grid).out
-    assert "4 starts" in invoke(*grid, "-o", str(tmp_path / "map.svg")).out
-    header, *rows = csv.reader((tmp_path / "map.csv").read_text(encoding="utf-8").splitlines())
-    assert header == ["x", "y", "x_end", "y_end", "whereabouts"]
-    assert len(rows) == 4
-
-
 def test_paths_of_a_map_that_end_early_are_not_said_to_be_anywhere(monkeypatch: pytest.MonkeyPatch) -> None:
     """Circles, followed for too long: beyond the work that all starts share nothing is said of ends."""
     system = ns.System(("x", "y"), ["y", "-x"], radius=1)
@@ -286,7 +273,6 @@ def test_paths_of_a_map_that_end_early_are_not_said_to_be_anywhere(monkeypatch: 
 
 # ---- The field of a rule without cells: rows against the minimizer written from its definition, pictures, refusals.
 
-TIGHT = {"xatol": 1e-10, "fatol": 1e-14, "maxiter": 4000}
 SAME = 1e-4  # of velocities: a simplex finds a minimum to the root of its rounding
 
 
@@ -296,17 +282,6 @@ def array(name: str, rule: str = "ellipse") -> ns.Array:
     return loaded.with_(rule=rule)
 
 
-def dissipation(own: ns.Array, loads: np.ndarray, twist: np.ndarray) -> float:
-    """``sum N_i |(mu_R r_i, mu_S s_i)|``, word by word."""
-    total = 0.0
-    for wheel, load in zip(own.scene.wheels, loads, strict=True):
-        p, d = (np.array([float(v) for v in pair]) for pair in (wheel.position, wheel.unit_direction))
-        velocity = twist[:2] + twist[2] * np.array([-p[1], p[0]])
-        along, across = velocity @ d - float(wheel.speed), velocity @ np.array([-d[1], d[0]])
-        total += load * np.hypot(float(wheel.friction.roll) * along, float(wheel.friction.side) * across)
-    return float(total)
-
-
 @pytest.mark.parametrize("name", ["spiral-30", "off-center", "ring-5"])
 def test_rows_are_minimizers_of_the_dissipation(name: str) -> None:
     own = array(name)
@@ -314,8 +289,7 @@ def test_rows_are_minimizers_of_the_dissipation(name: str) -> None:
     for k in (1, 7, 13, 22):
         place = field.points[k]
         loads = loads_at(contact_model(own.scene), place[None])[0]
-        found = minimize(partial(dissipation, own, loads), np.zeros(3), method="Nelder-Mead", options=TIGHT)
-        vx, vy, omega = found.x
+        vx, vy, omega = EllipseDissipation(own.scene, loads).minimizer()
         expected = np.array([vx - omega * place[1], vy + omega * place[0], omega])
         assert np.abs(np.append(field.velocities[k], field.rates[k]) - expected).max() <= SAME
 

@@ -39,24 +39,6 @@ from tests.thorough import few, keep
 # ---- Plain systems, audits and certificates through the command line -----------------------------
 
 
-@pytest.mark.parametrize(
-    ("scene", "function", "verdict", "expected"),
-    [
-        ("four-wheel", "x**2 + y**2", "valid", 0),
-        ("four-wheel", "x**2 + 3*y**2", "valid", 0),
-        ("four-wheel", "x**2 - y**2", "invalid", 1),
-        ("flower", "x**2 + y**2", "invalid", 1),
-        ("relay-oscillator-damped", "Abs(x) + Abs(y)", "valid", 0),
-    ],
-)
-def test_audits(invoke: Invoke, scene: str, function: str, verdict: str, expected: int) -> None:
-    outcome = invoke("audit", scene, "--lyapunov", function, "--json")
-    record = outcome.record
-    assert (record["verdict"], outcome.status) == (verdict, expected)
-    assert (record["witness"] is None) == (verdict == "valid")
-    assert invoke("audit", scene, "--lyapunov", function).status == expected
-
-
 WHEELS = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 4\nradius = "sqrt(2)"\nphase = "pi/4"\n'
 SYSTEM = '[system]\nstates = ["p", "q"]\nrhs = ["-sign(p)", "-sign(q)"]\n'
 
@@ -76,28 +58,6 @@ def test_the_function_of_the_scene_is_audited_unless_one_is_given(
     other = "-x**2" if scene == WHEELS else "-p**2"
     given = invoke("audit", str(path), "--lyapunov", other, "--json")
     assert (given.status, given.record["V"]) == (1, other)
-
-
-THREE = '[system]\nstates = ["a", "b", "c"]\nrhs = ["-sign(a)", "-b", "-c"]\n'
-
-
-def test_three_states_are_followed_and_judged(invoke: Invoke, tmp_path: Path) -> None:
-    scene = tmp_path / "three.toml"
-    scene.write_text(THREE, encoding="utf-8")
-    assert invoke("simulate", str(scene), "--from=1,1,1", "--json").record["states"] == ["a", "b", "c"]
-    checked = invoke("check", str(scene))
-    assert checked.status == 0
-    assert "asymptotically stable" in checked.out
-    assert "every start " in checked.out
-    record = invoke("check", str(scene), "--json").record
-    assert record["lyapunov"]["domain"]["kind"] == "cube"
-    assert record["lyapunov"]["proves"] is True
-    assert ns.System(["a", "b", "c"], ["-sign(a)", "-b", "-c"]).check().lyapunov == record["lyapunov"]["V"]
-    audited = invoke("audit", str(scene), "--lyapunov", "Abs(a) + b**2 + c**2", "--json")
-    assert (audited.status, audited.record["proves"]) == (0, "asymptotically stable")
-    refuted = invoke("audit", str(scene), "--lyapunov", "a**2 + b**2 - c**2")
-    assert refuted.status == 1
-    assert "V is not positive at (" in refuted.out
 
 
 @pytest.mark.parametrize("options", ["--rule all --certificate all.json", "--certificate four-wheel.txt"])
@@ -156,29 +116,6 @@ def test_nothing_is_proved_by_nothing(tmp_path: Path) -> None:
     assert record["lyapunov"]["domain"]["radius"] == 0.5
 
 
-def test_a_refuted_function_is_not_the_reason(invoke: Invoke) -> None:
-    """``x**2 + y**2`` is tried and refuted on the flower; the V that decreases is another one."""
-    words = " ".join(invoke("check", "flower", "--evidence").out.replace("│", " ").split())
-    assert "tried: V = x**2 + y**2 the derivative of V is positive" in words
-    reason = words[words.index("because") :]
-    assert "V = x**2 + y**2 the" not in reason
-    assert "with V = x**2 + y**2 + 2*Abs(x - y)*Abs(x + y)/3" in words
-    assert "on the plane" in words
-
-
-def test_the_smaller_domain_of_a_function_is_named(invoke: Invoke, tmp_path: Path) -> None:
-    """V' = -2 x^2 (1 - x) - 2 y^2 is positive at (2, 0), and negative on a smaller square."""
-    scene = tmp_path / "my.toml"
-    scene.write_text('[system]\nstates = ["x", "y"]\nrhs = ["-x + x**2", "-y"]\n[check]\nradius = 2\n')
-    record = invoke("check", str(scene), "--region", "none", "--json").record
-    assert record["lyapunov"]["V"] == "x**2 + y**2"
-    assert record["lyapunov"]["domain"]["exact"]["radius"] == "1/8"
-    assert record["lyapunov"]["tried"]["verdict"] == "refuted"
-    assert "abs(x), abs(y) <= 1/8" in " ".join(
-        invoke("check", str(scene), "--region", "none").out.replace("│", " ").split()
-    )
-
-
 @pytest.mark.parametrize(("states", "shape"), [(["x", "y"], "square"), (["x", "y", "z"], "cube")])
 def test_what_a_larger_region_leaves_is_called_by_its_shape(
     invoke: Invoke, tmp_path: Path, states: list[str], shape: str
@@ -193,25 +130,11 @@ def test_what_a_larger_region_leaves_is_called_by_its_shape(
 
 # ---- phase portraits -----------------------------------------------------------------------------
 
-PORTRAIT = ("y - 2*sign(x + y)", "-x + y/3 - sign(y)")
-
 
 def portrayed(tmp_path: Path, first: str, second: str) -> str:
     path = tmp_path / "portrait.toml"
     path.write_text(f'[system]\nstates = ["x", "y"]\nrhs = ["{first}", "{second}"]\n')
     return str(path)
-
-
-def test_partition_of_a_system_lists_cells_and_borders(tmp_path: Path, invoke: Invoke) -> None:
-    scene = portrayed(tmp_path, *PORTRAIT)
-    record = invoke("partition", scene, "--json").record
-    assert record["schema"] == "nonsmooth-phase-portrait/1"
-    assert [cell["field"] for cell in record["cells"][:1]] == [["y - 2", "-x + 1/3*y - 1"]]
-    assert len(record["borders"]) == 4
-    assert {border["kind"] for border in record["borders"]} == {"sliding"}
-    shown = invoke("partition", scene).out
-    assert "sliding" in shown
-    assert "y - 2" in shown
 
 
 def test_kinds_of_borders_against_the_field_beside_them(tmp_path: Path, invoke: Invoke) -> None:
@@ -227,35 +150,7 @@ def test_kinds_of_borders_against_the_field_beside_them(tmp_path: Path, invoke: 
     assert sum(abs(border["to"][1] - border["from"][1]) for border in borders) == pytest.approx(1.0)
 
 
-def test_a_phase_portrait_is_drawn(tmp_path: Path, invoke: Invoke) -> None:
-    scene = portrayed(tmp_path, *PORTRAIT)
-    outcome = invoke("partition", scene, "-o", str(tmp_path / "portrait.svg"))
-    assert outcome.status == 0
-    assert "6 cells (cut along the axes, too), asymptotically stable" in outcome.out
-    assert (tmp_path / "portrait.svg").read_text(encoding="utf-8").startswith("<?xml")
-
-
 # ---- certificates --------------------------------------------------------------------------------
-
-
-DAMPED = "relay-oscillator-damped"
-
-
-def test_a_certificate_is_written_verified_and_compared(invoke: Invoke, tmp_path: Path) -> None:
-    file = tmp_path / "c.json"
-    assert invoke("check", DAMPED, "--certificate", str(file)).status == 0
-    accepted = invoke("verify", str(file), DAMPED)
-    assert accepted.status == 0
-    assert accepted.out.startswith("valid\nsystem in x, y at (0, 0): asymptotically stable")
-    assert f"about {DAMPED}: the same states, formulas and point" in accepted.out
-    other = invoke("verify", str(file), "eq-4")
-    assert (other.status, other.out.splitlines()[0]) == (
-        1, "rejected: required a certificate about eq-4, received one with other rhs"
-    )  # fmt: skip
-    elsewhere = invoke("verify", str(file), DAMPED, "--at", "sqrt(2),0")
-    assert (elsewhere.status, "received one with other" in elsewhere.out) == (1, True)
-    file.write_text(file.read_text(encoding="utf-8").replace("asymptotically stable", "unstable"), encoding="utf-8")
-    assert invoke("verify", str(file)).out.startswith("rejected: required a verdict")
 
 
 @few(2)
@@ -330,21 +225,6 @@ def test_what_is_true_of_other_right_hand_sides_alone_is_not_about_a_scene(
         del shown[1]
         file.write_text(json.dumps(record), encoding="utf-8")
         assert invoke("verify", str(file), str(scene)).status == 0
-
-
-def test_a_state_with_the_name_of_the_function_is_told_apart(invoke: Invoke, tmp_path: Path) -> None:
-    """``V = V**2 + x**2`` and ``V < 1/4`` stand beside ``abs(V) <= 1/2``."""
-    (tmp_path / "v.toml").write_text('[system]\nstates = ["V", "x"]\nrhs = ["-V + x", "-x - V"]\n', encoding="utf-8")
-    assert invoke("check", "v.toml").out.startswith("note: V is a state here, and the Lyapunov function too")
-    assert "V is a state" not in invoke("check", "eq-4").out
-
-
-def test_a_point_to_check_has_a_number_for_each_state(invoke: Invoke) -> None:
-    common = ("audit", "relay-chain", "--lyapunov", "x**2 + y**2 + z**2", "--json")
-    assert invoke(*common, "--at", "0,0,0").record == invoke(*common).record
-    refused = invoke(*common, "--at", "0,0")
-    assert refused.status == 2
-    assert "required 3 numbers, one for each state, received 2" in refused.err
 
 
 # ---- Facts of plain systems and audits: one list gives the rows of the terminal and the keys of JSON.

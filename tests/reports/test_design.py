@@ -26,7 +26,6 @@ from nonsmooth.symbolic.files.scene_file import build_scene, load_scene
 from nonsmooth.symbolic.mechanics.scene import Wheel
 from tests.oracles.measured_tables import MeasuredTable
 from tests.reports.conftest import Invoke
-from tests.reports.derived import PART_NAMES
 from tests.thorough import keep, thorough
 
 
@@ -97,13 +96,6 @@ def test_the_distance_that_wheels_may_move_is_any_rational_number(move: Any) -> 
     for none in ("0", "-1/8", "pi/4", "sqrt(2)", "far", math.nan):
         with pytest.raises(DesignError, match=r"^move: required a positive rational number such as 1/10, received"):
             read_freedom(scene, "positions", none, None)
-
-
-@pytest.mark.parametrize("free", ["headings", "headings,speeds", "wheels"])
-def test_a_distance_is_refused_where_no_wheel_moves(free: str) -> None:
-    with pytest.raises(DesignError, match=rf"^move: required positions among what is free, received {free[:8]}"):
-        read_freedom(load_scene("four-wheel"), free, "1/8", None)
-    assert read_freedom(load_scene("four-wheel"), "headings,positions", "1/8", None).move == Fraction(1, 8)
 
 
 def test_every_wheel_of_an_orbit_keeps_its_own_limit() -> None:
@@ -184,13 +176,6 @@ def angle_of(wheel: Wheel) -> float:
     return float(np.arctan2(float(wheel.direction[1]), float(wheel.direction[0])))
 
 
-@pytest.mark.parametrize("seed", [-1, 2**32, 10**30])
-def test_a_seed_that_no_search_can_begin_with_is_refused(invoke: Invoke, seed: int) -> None:
-    outcome = invoke("design", "saddle", "--seed", str(seed), "--checks", "4", "-o", "found.toml")
-    assert (outcome.status, outcome.out) == (2, "")
-    assert outcome.err == f"nonsmooth: --seed: required a number from 0 to 4294967295, received {seed}\n"
-
-
 @pytest.mark.parametrize(
     "loads",
     [
@@ -210,16 +195,6 @@ def test_wheels_are_not_chosen_where_loads_are_stated_for_all_of_them(
     expected = "--free: required loads that some of the wheels have too, received loads stated for all wheels"
     assert outcome.err == f"nonsmooth: {expected}\n"
     assert invoke("design", "stated.toml", "--free", "speeds", "--checks", "1").status < 2
-
-
-def test_nothing_is_written_where_nothing_is_found(invoke: Invoke, tmp_path: Path) -> None:
-    outcome = invoke("design", "outward", "--free", "speeds", "--checks", "3", "-o", "none.toml")
-    assert outcome.status == 1
-    assert "outward: none of 3 arrays meets position\n" in outcome.out
-    open_answers = " ".join(invoke("design", "saddle", "--rule", "ellipse", "--checks", "2").out.split())
-    assert "decided; check says why" in open_answers
-    assert "why: below" not in open_answers  # there is nothing
-    assert not (tmp_path / "none.toml").exists()
 
 
 @thorough  # the small one: test_a_saddle_becomes_an_array_that_brings_bodies_home
@@ -285,28 +260,6 @@ def test_the_fewest_wheels_are_too_few_without_any_one(invoke: Invoke, tmp_path:
         assert invoke("check", str(file), "--require", "position", "--json").status in (1, 2)
 
 
-def test_a_report_of_the_winner(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    left_out = ",".join(name for name in PART_NAMES if name not in ("answers", "array"))
-    monkeypatch.setattr("nonsmooth.reports.designs.design.MEASUREMENTS", left_out)
-    outcome = invoke("design", "saddle", "--maximize", "margin", "--checks", "4", "--report", "won.md")
-    assert outcome.status == 0
-    assert "misjudge" in outcome.out
-    report = (tmp_path / "won.md").read_text(encoding="utf-8")
-    assert report.startswith("# Derivation report: saddle-designed")
-    assert "`nonsmooth partition saddle-designed.toml --show array" in report  # no path of this machine
-
-
-def test_a_design_says_first_whether_it_improved_anything(invoke: Invoke, tmp_path: Path) -> None:
-    """Of one check there is the given array alone, which no file calls designed; a saddle lacks what is required."""
-    record = invoke("design", "rectangle", "--checks", "1", "--json").record
-    assert (record["improved"], record["best"]["value"]) == (False, record["given"]["value"])
-    same = invoke("design", "rectangle", "--checks", "1", "-o", "same.toml", "--report", "same.md")
-    assert same.out.startswith("rectangle: nothing is improved: ")
-    assert (same.err.count("not written: "), list(tmp_path.glob("same.*"))) == (2, [])
-    shown = invoke("design", "saddle", "--checks", "4").out
-    assert "improved: the given array lacks position" in shown
-
-
 @pytest.mark.parametrize(
     ("given", "best", "improved", "words"),
     [
@@ -356,16 +309,6 @@ def test_rates_of_unlike_units_are_not_compared() -> None:
     shown = str(found.blocks()[0])
     assert "length per time of that and" in shown
     assert "% more" not in shown
-
-
-def test_a_gain_of_feedback_does_not_hide_what_it_costs_without(invoke: Invoke) -> None:
-    """Turned wheels hold the pose better and bring nothing home, which was not required."""
-    options = ("--maximize", "gain", "--checks")
-    shown = invoke("design", "rectangle", "--require", "pose", *options, "3", "--seed", "11").out
-    assert "without feedback: position comes home -> " in shown
-    assert "--require pose,position keeps what got worse" in " ".join(shown.split())
-    kept = invoke("design", "rectangle", *options, "4").out
-    assert "position comes home, as before (certified within 0.5 -> 0.03" in " ".join(kept.split())
 
 
 def test_bodies_with_inertia_settle_sooner(invoke: Invoke, tmp_path: Path) -> None:

@@ -375,6 +375,17 @@ def test_a_law_says_where_it_does_not_return_the_body_and_which_gain_serves(invo
     assert "take a gain k of at most" in twists
 
 
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+def test_answers_say_from_which_errors_as_the_law_does(rule: str, invoke: Invoke, tmp_path: Path) -> None:
+    """Under rule box, too, where answers said that it is not known."""
+    answer = invoke("check", write(tmp_path, rule), "--law", "law.st", "--json").record["answers"]["pose"]
+    header = " ".join((tmp_path / "law.st").read_text().split())
+    starts = re.search(r"certified from starts with [^<]* < ([0-9.]+)\^2\. ", header)
+    assert (starts is None) == (rule == "ellipse")
+    where = "from close by (how near is not known)" if starts is None else f"from errors below {starts[1]};"
+    assert f"/k s, {where}" in answer["reason"]
+
+
 @thorough  # the small one: test_an_exact_pose_that_is_only_late_comes_home
 def test_closed_loops_of_imposed_twists_through_the_command(invoke: Invoke, tmp_path: Path) -> None:
     """Their speeds are those of the exported law; films and other laws are refused in one line."""

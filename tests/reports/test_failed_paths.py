@@ -251,15 +251,6 @@ def test_wheels_with_names_fail_by_their_numbers_too(tmp_path: Path) -> None:
     assert failing("3") == failing("2") == [("3",)] * 2
 
 
-def test_how_each_path_ends(invoke: Invoke) -> None:
-    """With which motion where the time is over."""
-    out = " ".join(
-        invoke("simulate", "four-wheel", "--from", "0.2,0.1,0", "--until", "0.01", "--fail", "1").out.split()
-    )
-    assert "moves on" in out
-    assert "the time is over" not in out
-
-
 # ---- ``--fail 1`` on check and sweep -------------------------------------------------------------
 
 
@@ -418,17 +409,6 @@ def test_nothing_binds_where_ends_are_not_found(toleranced: Path, capsys: pytest
     shown = capsys.readouterr().out
     assert "which tolerance binds is not known" in shown
     assert "not known: mm" not in shown
-
-
-def test_what_is_not_drawn_is_refused(toleranced: Path, invoke: Invoke) -> None:
-    assert "states no tolerances" in invoke("simulate", "four-wheel", "--tables", "5").err
-    toleranced.write_text(TABLE.replace("RULE", "nearest"))
-    refused = invoke("simulate", str(toleranced), "--tables", "5").err
-    assert "required tolerances of wheels, under rule ellipse or roller, received rule nearest" in refused
-    run = invoke("simulate", str(toleranced), "--rule", "ellipse", "--tables", "5", "--seed", "-1")
-    assert (run.status, run.out) == (2, "")
-    assert run.err == "nonsmooth: --seed: required a number of at least 0, received -1\n"
-    assert "--seed: required --tables" in invoke("simulate", "four-wheel", "--from", "0,0,0", "--seed", "3").err
 
 
 def test_the_picture_draws_the_accuracy_and_its_legend_below(toleranced: Path) -> None:

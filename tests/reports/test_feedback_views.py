@@ -20,7 +20,6 @@ from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.output.document import Document, Section
 from nonsmooth.reports.sections.opening import _headings
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.numbers.number_text import lower_text
 from tests.reports.conftest import Invoke
 from tests.reports.derived import derived
@@ -67,58 +66,6 @@ def test_the_cascade_is_followed(invoke: Invoke) -> None:
     assert max(map(abs, slow["end"]["state"])) < 0.02
     stuck = invoke(*common, "--law", "gradient").record
     assert abs(stuck["end"]["state"][0]) > 0.1
-
-
-# ---- reports -------------------------------------------------------------------------------------
-
-
-@pytest.mark.usefixtures("without_paths", "without_other_rules")
-@few(1)
-@pytest.mark.parametrize(
-    ("name", "rule", "words"),
-    [
-        ("conveyor-3", "nearest", ("(r, s) = (c . p_i, c . J p_i)/|p_i|", "u_w = d_w . (v + omega J p_w)", "like 1/t")),
-        ("four-wheel", "box", ("0 to 90 degrees", "270 to 360 degrees", "xi = -k (g . xi_l) xi_l")),
-        ("spiral-30", "ellipse", ("near c*", "xi = -k (g . xi_l) xi_l")),
-        ("differential-drive", "box", ("no static feedback stabilizes", "V' = 0 for every input")),
-    ],
-)
-def test_the_report_states_the_law(
-    invoke: Invoke, tmp_path: Path, name: str, rule: str, words: tuple[str, ...]
-) -> None:
-    path = tmp_path / "report.json"
-    invoke("derive", name, "--rule", rule, "--only", "theorem,feedback", "-o", str(path))
-    text = path.read_text(encoding="utf-8")
-    for expected in words:
-        assert expected in text, expected
-
-
-@pytest.mark.usefixtures("without_paths", "without_other_rules")
-def test_an_array_with_contracting_turns_has_a_table_of_signs(invoke: Invoke, tmp_path: Path) -> None:
-    """The four-wheel array with rims turned by 46.4 degrees: no quadratic V, but turns that contract."""
-    scene = tmp_path / "turned.toml"
-    wheels = "".join(
-        f"[[wheel]]\nposition = [{x}, {y}]\nheading = [{21 * y - 20 * x}, {-21 * x - 20 * y}]\n"
-        for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))
-    )
-    head = 'friction = { mu_roll = 1, mu_side = "1/2" }\ncheck = { equilibrium = [0, 0], radius = "1/2" }\n'
-    scene.write_text('name = "turned"\n' + head + wheels, encoding="utf-8")
-    path = tmp_path / "report.json"
-    assert invoke("check", str(scene), "--json").record["feedback"]["cascade"]["descent"] == "full turns that contract"
-    invoke("derive", str(scene), "--only", "theorem,feedback", "-o", str(path))
-    assert "which multiply |c| by" in path.read_text(encoding="utf-8")
-
-
-# ---- certificates --------------------------------------------------------------------------------
-
-
-def test_a_clause_that_the_certificate_leaves_open_is_named(invoke: Invoke, tmp_path: Path) -> None:
-    path = tmp_path / "c.json"
-    outcome = invoke("check", "four-wheel", "--rule", "box", "--certificate", str(path))
-    assert "feedback stands as undecided" in outcome.err
-    written = invoke("check", "ring-3", "--rule", "box", "--certificate", str(path)).err
-    assert written == f"{path}: the certificate, accepted by the stand-alone checker\n"
-    assert invoke("verify", str(path)).status == 0
 
 
 # ---- Headings of rest on the terminal, in JSON, in Python and in the report ----------------------
@@ -224,15 +171,6 @@ def test_verdicts_do_not_depend_on_it(invoke: Invoke) -> None:
     assert (done[0].status, with_it) == (done[1].status, without)
 
 
-def test_every_rule_has_its_row(invoke: Invoke) -> None:
-    asked = ("check", "four-wheel", "--rule", "all", "--continuum")
-    record, out = invoke(*asked, "--json").record, invoke(*asked).out
-    assert [check["continuum"]["array"]["rule"] for check in record["checks"]] == list(CONTACT_RULES)
-    assert out.count("continuous idealization") == 1
-    assert [out.count(f"the array, rule {rule}") for rule in CONTACT_RULES] == [1, 1, 1, 1]
-    assert "not in the verdict" in out
-
-
 @pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_an_object_of_the_scene(tmp_path: Path, invoke: Invoke) -> None:
     file = tmp_path / "my.toml"
@@ -291,11 +229,3 @@ def test_pictures_are_reproducible_vectors() -> None:
     first, second = (compared.content(".svg") for _ in range(2))
     assert first == second
     assert first.startswith(b"<?xml")
-
-
-def test_the_command_prints_the_table_and_writes_the_picture(invoke: Invoke, tmp_path: Path) -> None:
-    shown = invoke("partition", "four-wheel", "--compare")
-    assert shown.status == 0
-    assert "share of 0 of the area (exact)" in " ".join(shown.out.replace("│", " ").split())  # 1 - 2 mu_S/mu_R
-    assert invoke("partition", "four-wheel", "--compare", "-o", "agreement.png").status == 0
-    assert (tmp_path / "agreement.png").read_bytes().startswith(b"\x89PNG")

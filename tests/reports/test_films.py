@@ -32,7 +32,6 @@ from nonsmooth.reports.figures.style import figure_bytes, lay_out
 from nonsmooth.reports.figures.wheels import array_figure, outline_of, placed
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop
 from nonsmooth.reports.output.console import BAD_INPUT, run
-from nonsmooth.reports.output.files import OutputError
 from nonsmooth.reports.output.study_options import PathMethod
 from nonsmooth.reports.simulations.paths import PathResult, follow_cells
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
@@ -96,15 +95,6 @@ def test_a_film_of_a_law_under_friction_sets_is_refused_before_the_work(invoke: 
 
 def test_slips_that_are_rounding_are_none() -> None:
     assert [_number(value, 2e-4) for value in (-4.91e-06, 2.52e-05, 0.00817)] == ["0", "0", "0.00817"]
-
-
-def test_python_refuses_other_files_and_systems(tmp_path: Path) -> None:
-    path = ns.load("four-wheel").simulate((0.2, 0.4, 0))
-    with pytest.raises(OutputError, match=r"\.gif or \.html"):
-        path.animate(tmp_path / "path.avi")
-    system = ns.load("eq-3").simulate((0.2, 0.4), until=1)
-    with pytest.raises(ValueError, match="a path of an array"):
-        system.animate(tmp_path / "path.html")
 
 
 @pytest.mark.parametrize("until", keep(1, [1.0, 4.0]))

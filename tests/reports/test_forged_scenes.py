@@ -264,18 +264,6 @@ def test_a_square_beyond_its_support_is_refused_in_a_short_line(
     assert "received ~1.00000e+400" in capsys.readouterr().err
 
 
-def test_numpy_does_not_warn_of_a_checked_point_beyond_floats(capsys: pytest.CaptureFixture[str]) -> None:
-    """It did, of infinite floats, above answers for which they count for nothing."""
-    assert run(app, ["check", "four-wheel", "--at", "1e308,0"]) == 1
-    assert not capsys.readouterr().err
-
-
-def test_a_start_whose_velocity_has_no_square_in_floats_is_followed(capsys: pytest.CaptureFixture[str]) -> None:
-    """It was a division by zero."""
-    assert run(app, ["simulate", "flower", "--from", "1e-300,1e-300"]) == 0
-    assert "ends at the checked point" in capsys.readouterr().out
-
-
 def test_paths_of_gains_whose_powers_are_beyond_floats(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """NumPy warned of overflows, and a map ended in "OverflowError: Numerical result out of range"."""
     file = written(tmp_path, system("-x/8 - y*(3 - sign(x*y))/2", "x*(3 + sign(x*y))/2 - 1e300*y"))

@@ -517,14 +517,6 @@ def test_no_line_ends_within_the_name_of_a_wheel() -> None:
 
 
 @pytest.mark.usefixtures("without_paths", "without_other_rules")
-def test_no_certificate_is_written_where_the_law_beside_it_is_refused(invoke: Invoke, tmp_path: Path) -> None:
-    done = invoke("check", "roller-bed", "--certificate", "bed.json", "--law", "bed.py")
-    assert done.status == 2
-    assert "required a certified feedback law" in done.err
-    assert not list(tmp_path.glob("bed.*"))
-
-
-@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_answers_are_shown_beside_a_law_that_there_is_not(invoke: Invoke) -> None:
     done = invoke("check", "four-wheel-side", "--law", "a.c", "--json")
     assert (done.status, done.record["answers"]["position"]["verdict"]) == (2, "stays near")

@@ -34,6 +34,7 @@ from nonsmooth.reports.output.console import run
 from nonsmooth.reports.simulations.paths import ArrayPath, PathResult
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from tests.oracles.floats import Floats
+from tests.oracles.wheels_in_floats import Contacts, J, NearestRows
 from tests.thorough import few, keep
 
 SLACK = 1e-9  # of V and times along integrated paths
@@ -177,35 +178,23 @@ def test_orbits_are_those_without_limits(name: str, count: int) -> None:
 
 def brute_force(array: ns.Array, start: Floats, gain: float, until: float, steps: int) -> Floats:
     """The limited loop by the words of the rule and the formula of the law for ``V = |c|^2 + l^2 theta^2``."""
-    places = np.array([[float(x) for x in wheel.position] for wheel in array.scene.wheels])
-    rims = np.array([[float(x) for x in wheel.direction] for wheel in array.scene.wheels])
-    rims /= np.linalg.norm(rims, axis=1)[:, None]
+    contacts = Contacts.of(array.scene)
+    rows = NearestRows(contacts)
     limits = [math.inf if w.speed_limit is None else float(w.speed_limit) for w in array.scene.wheels]
     weight = float(array.scene.check.length) ** 2
-    dt = until / steps
-    x, y, theta = (float(entry) for entry in start)
-
-    def turn(v: Any) -> tuple[float, float]:
-        return -float(v[1]), float(v[0])
+    pose = np.array(start, float)
 
     for _ in range(steps):
-        i, j = np.argsort((places[:, 0] - x) ** 2 + (places[:, 1] - y) ** 2)[:2]
-        lever = float(rims[j] @ turn(places[j] - places[i]))
-        b = (weight * theta - float(np.dot((x, y), turn(places[i])))) / lever
-        a = float(np.dot((x, y), rims[i])) - float(rims[i] @ rims[j]) * b
-        u = np.array([-gain * a, -gain * b])
-        u = u * min(1.0, *(limits[k] / abs(s) if s else math.inf for k, s in zip((i, j), u, strict=True)))
-        side = turn(rims[i])
-        rows = np.array(
-            [
-                [*rims[i], rims[i] @ turn(places[i])],
-                [*side, np.dot(side, turn(places[i]))],
-                [*rims[j], rims[j] @ turn(places[j])],
-            ]
-        )
-        v_x, v_y, omega = np.linalg.solve(rows, [u[0], 0.0, u[1]])
-        x, y, theta = x + dt * (v_x - omega * y), y + dt * (v_y + omega * x), theta + dt * omega
-    return np.array([x, y, theta])
+        c, theta = pose[:2], pose[2]
+        first, _, second = rows.at(c)
+        i, j = first.wheel, second.wheel
+        (p, q), (d, e) = contacts.positions[[i, j]], contacts.rims[[i, j]]
+        b = (weight * theta - c @ (J @ p)) / (e @ (J @ (q - p)))
+        a = c @ d - (d @ e) * b
+        u = {i: -gain * a, j: -gain * b}
+        share = min(1.0, *(limits[wheel] / abs(speed) if speed else math.inf for wheel, speed in u.items()))
+        pose = pose + until / steps * rows.rate(c, lambda own: share * u[own.wheel])  # noqa: B023 - called at once
+    return pose
 
 
 @few(1)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import import_module
@@ -21,7 +20,6 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.reports.conftest import Invoke
 from tests.thorough import keep
@@ -169,63 +167,13 @@ def test_a_table_of_wheels_has_a_column_for_it(tmp_path: Path) -> None:
     assert [scene.rule_of_wheel(wheel) for wheel in scene.wheels] == ["roller", "ellipse"] * 2
 
 
-@pytest.mark.parametrize(
-    ("contacts", "rule", "key"),
-    [
-        (["box", None, None, None], "ellipse", "wheel[1].contact"),
-        ([None, "roller", None, None], "nearest", "contact.rule"),
-        ([None, "roller", None, None], "box", "contact.rule"),
-        (["box", "nearest", "box", "box"], "ellipse", "wheel[1].contact"),
-        ([None, "mixed", None, None], "ellipse", "wheel[2].contact"),
-        ([None, 3, None, None], "ellipse", "wheel[2].contact"),
-    ],
-)
-def test_rules_that_hold_for_a_whole_array_do_not_mix(contacts: list[Any], rule: str, key: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        array(contacts, rule)
-    assert str(caught.value).startswith(f"array: {key}: required ")
-    assert "\n" not in str(caught.value)
-
-
-def test_mixed_is_no_rule_that_a_scene_names() -> None:
-    with pytest.raises(SceneError, match=r"contact\.rule: required 'nearest', 'box', 'ellipse' or 'roller'"):
-        array([None] * 4, "mixed")
-
-
 # ---- commands ------------------------------------------------------------------------------------
-
-
-def test_check_says_which_wheel_has_which_rule(invoke: Invoke, tmp_path: Path) -> None:
-    record = invoke("check", scene_file(tmp_path, ROLLERS_AND_RUBBER), "--json").record
-    assert record["rule"] == "mixed"
-    assert record["notes"] == ["own contact rules: of wheels 1, 3 roller; of all others ellipse"]
-    assert record["answers"]["position"]["verdict"] == "comes home"
-    assert list(record["answers"]["other_rules"]) == ["nearest", "box", "ellipse", "roller"]
 
 
 def test_wheels_that_name_the_rule_of_all_others_are_no_news(invoke: Invoke, tmp_path: Path) -> None:
     record = invoke("check", scene_file(tmp_path, ["ellipse", None, None, None]), "--json").record
     assert record["rule"] == "ellipse"
     assert not record["notes"]
-
-
-def test_an_option_replaces_the_rule_of_those_that_name_none(invoke: Invoke, tmp_path: Path) -> None:
-    file = scene_file(tmp_path, ["roller", "ellipse", None, None])
-    for rule in ("ellipse", "roller"):
-        record = invoke("check", file, "--rule", rule, "--json").record
-        assert record["rule"] == "mixed"
-        assert record["notes"] == [f"own contact rules: of wheels 1 roller; of wheels 2 ellipse; of all others {rule}"]
-    refused = invoke("check", file, "--rule", "box")
-    assert refused.status == 2
-    assert refused.err.count("\n") == 1
-    assert 'contact.rule: required "ellipse" or "roller" beside wheels of rule' in refused.err
-
-
-def test_an_option_that_no_wheel_takes_is_said(invoke: Invoke, tmp_path: Path) -> None:
-    file = scene_file(tmp_path, ["roller", "ellipse", "roller", "ellipse"])
-    notes = invoke("check", file, "--rule", "nearest", "--json").record["notes"]
-    assert notes[0] == "rule nearest is for wheels that name none, and all of these name their own"
-    assert not any("name none" in note for note in invoke("check", file, "--json").record["notes"])
 
 
 def test_all_rules_are_those_of_all_wheels_and_the_array_as_it_is(invoke: Invoke, tmp_path: Path) -> None:
@@ -262,18 +210,6 @@ def with_labels(scene: Scene, rule: str) -> Scene:
     return replace(scene, wheels=wheels, contact=replace(scene.contact, rule="mixed"))
 
 
-def test_paths_sweeps_and_reports_take_it(invoke: Invoke, tmp_path: Path) -> None:
-    file = scene_file(tmp_path, ROLLERS_AND_RUBBER)
-    path = invoke("simulate", file, "--from", "0.2,0.1,0", "--until", "0.05", "--json").record
-    assert path["end"]["t"] == pytest.approx(0.05)
-    rows = invoke("sweep", file, "--vary", "mu_side=0.2:0.4:2", "--workers", "1", "--json").record
-    assert rows["rule"] == "mixed"
-    assert [row["position"] for row in rows["rows"]] == ["comes home"] * 2
-    assert invoke("derive", file, "--only", "answers,verdict", "-o", str(tmp_path / "a.json")).status in {0, 1}
-    text = json.dumps(json.loads((tmp_path / "a.json").read_text(encoding="utf-8")))
-    assert "of wheels 1, 3 roller" in text
-
-
 def least_sum(along: float, across: float, r: float, s: float) -> float:
     """Over many parts t of the slip across."""
     t = np.linspace(-abs(s), abs(s), 20_001)
@@ -301,15 +237,6 @@ def test_reports_print_the_dissipation_that_is_minimized(rule: str, side: str) -
         assert held == pytest.approx(written(along, across, r, s), rel=1e-4)
 
 
-def test_reports_print_the_dissipation_of_each_kind_of_wheel(invoke: Invoke, tmp_path: Path) -> None:
-    out = tmp_path / "report.md"
-    invoke("derive", scene_file(tmp_path, ROLLERS_AND_RUBBER), "--only", "situation", "-o", str(out))
-    text = out.read_text(encoding="utf-8")
-    assert r"D(\xi) = \sum_i N_i h_i" in text
-    assert "Of wheels 1, 3, with rollers that stand or turn" in text
-    assert "Of wheels 2, 4, with the friction ellipse" in text
-
-
 def test_a_vehicle_may_have_both(tmp_path: Path) -> None:
     """Two driven wheels of rubber and two omniwheels: in place it turns without slip of the rubber along its axle."""
     wheels = [(0.5, 0.2, "roller"), (0.5, -0.2, "roller"), (0, 0.2, None), (0, -0.2, None)]
@@ -320,15 +247,3 @@ def test_a_vehicle_may_have_both(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text(head + tables, encoding="utf-8")
     vehicle = load_vehicle(tmp_path / "a.toml")
     assert vehicle.scene.contact.rule == "mixed"
-
-
-def test_the_rule_that_is_printed_can_be_typed(invoke: Invoke, tmp_path: Path) -> None:
-    """``--rule mixed`` leaves wheels of different rules theirs, and is refused where all have one."""
-    file = scene_file(tmp_path, ROLLERS_AND_RUBBER)
-    asked = ("simulate", file, "--from", "0.1,0.05,0", "--until", "0.1", "--json")
-    assert invoke(*asked, "--rule", "mixed").out == invoke(*asked).out
-    refused = invoke("simulate", "four-wheel", "--from", "0.1,0.05,0", "--rule", "mixed")
-    assert (refused.status, refused.err.rstrip().split("required ")[1]) == (
-        2,
-        "wheels of rules ellipse and roller for rule mixed, received all nearest",
-    )

@@ -151,25 +151,6 @@ def test_a_body_of_another_unit_than_its_wheels_is_told(tmp_path: Path) -> None:
     assert any("[body]" in remark for remark in load_scene(write(tmp_path, scene=SCENE + body)).field.remarks)
 
 
-@pytest.mark.parametrize(
-    ("check", "hint"),
-    [
-        ("equilibrium = [10000, 5000]", "[check]: equilibrium is 9900 mm away from wheel A1, and the wheels"),
-        ("radius = 40000", "[check]: radius is 40000 mm, and the wheels lie within 200.4 mm: are both in mm?"),
-        ("radius = 0.04", "[check]: radius is 0.04 mm, and the wheels lie within 200.4 mm: are both in mm?"),
-        ("equilibrium = [10, 5]\nradius = 1", None),
-    ],
-)
-def test_a_checked_square_of_another_unit_than_the_wheels_is_told(
-    tmp_path: Path, invoke: Invoke, check: str, hint: str | None
-) -> None:
-    """Above a refusal too; a small square that is meant is no cause for a hint."""
-    file = write(tmp_path, scene=f"{SCENE}[check]\n{check}\n")
-    said = [remark for remark in load_scene(file).field.remarks if "[check]" in remark]
-    assert [hint is not None and remark.startswith(hint) for remark in said] == [True] * bool(hint)
-    assert ("note: [check]" in invoke("partition", str(file)).out) == bool(hint)
-
-
 def test_writing_a_number_decides_nothing(tmp_path: Path) -> None:
     """Numbers of measured angles count decisions that rounding made: one more, and verdicts would be `undecided`."""
     angles = (206, -26.3, 26.1, 154.7)
@@ -249,26 +230,6 @@ def test_no_view_shows_a_number_that_is_none(invoke: Invoke, free_scene: str, vi
         json.loads(outcome.out)
 
 
-@thorough  # the small one: test_free_motions_are_named_instead_of_numbers, analysis/test_proved_minima.py
-def test_the_missing_motion_is_named(invoke: Invoke, tmp_path: Path) -> None:
-    (tmp_path / "free.toml").write_text(INWARD, encoding="utf-8")
-    sentence = "no row with friction resists the motion xi = (0, 0, 1)"
-    table = invoke("check", "free.toml", "--rule", "ellipse", "--no-prune", "--evidence").out
-    printed = " ".join(re.sub("[│╭╮╰╯├┤─┼]", " ", table).split())
-    assert "largest V*/|c| over the square not certified: " in printed
-    assert printed.count("certified: no row with friction resists") == 3
-    record = invoke("check", "free.toml", "--rule", "ellipse", "--no-prune", "--json").record
-    assert record["translation"]["not_certified"] == sentence
-    assert record["translation"]["worst_rate"] is None
-    for sample in record["feedback"]["sampled"]:
-        assert (sample["worst_rate"], sample["worst_state"], sample["fails"]) == (None, None, None)
-        assert sample["not_certified"] == sentence
-    assert (
-        "is not certified: no row with friction resists"
-        in invoke("derive", "free.toml", "--rule", "ellipse", *SECTIONS).out
-    )
-
-
 # ---- What commands say of scenes whose loads are unknown: verdicts, or one line that names the key.
 
 TEXT = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 5\n[contact]\nrule = "{}"\nloads = {}\n'
@@ -277,35 +238,6 @@ TEXT = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 5\n[contact]\n
 @pytest.fixture(params=['"any"', '{kind = "elastic", height = 0.1}'])
 def loads(request: pytest.FixtureRequest) -> str:
     return str(request.param)
-
-
-def ring_file(tmp_path: Path, rule: str, loads: str) -> str:
-    path = tmp_path / "ring.toml"
-    path.write_text(TEXT.format(rule, loads), encoding="utf-8")
-    return str(path)
-
-
-@few(1)
-@pytest.mark.parametrize("rule", ["ellipse", "box", "roller", "nearest"])
-def test_json_says_which_loads_are_meant(tmp_path: Path, invoke: Invoke, loads: str, rule: str) -> None:
-    done = invoke("check", ring_file(tmp_path, rule, loads), "--json", "--require", "position")
-    assert done.status in {0, 1}
-    record = done.record
-    assert record["equilibrium"]["loads"].startswith("any" if "any" in loads else "elastic")
-    assert record["equilibrium"]["verdict"] == "holds"
-
-
-def test_motions_that_are_possible_are_listed(tmp_path: Path, invoke: Invoke) -> None:
-    path = tmp_path / "ring.toml"
-    path.write_text(TEXT.replace("count = 5", "count = 3").format("box", '"any"'), encoding="utf-8")
-    assert "16 motions under every load, rule box; 1 possible at the point" in invoke("partition", str(path)).out
-    record = invoke("partition", str(path), "--json").record
-    assert set(record) == {"schema", "scene", "rule", "at", "exact", "motions", "notes"}
-    (rest,) = [motion for motion in record["motions"] if motion["at_point"]]
-    assert rest["twist"] == [0, 0, 0]
-    assert rest["rows"] == ["S1", "S2", "S3"]
-    assert len(rest["polygon"]) == 6
-    assert invoke("partition", str(path), "-o", "ring.svg").status == 2
 
 
 @pytest.mark.parametrize(("rows", "columns"), keep(1, [(2, 3), (3, 4)]))

@@ -27,7 +27,7 @@ from nonsmooth.reports.simulations.heading_maps import HeadingsResult
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.units import Units
 from tests.reports.conftest import Invoke
-from tests.thorough import few, keep, thorough
+from tests.thorough import few, keep
 
 # ---- ``simulate`` says where, when and how a path ends, with inertia and without -----------------
 
@@ -89,30 +89,6 @@ def test_a_bare_heading_is_in_the_unit_of_the_scene(invoke: Invoke, tmp_path: Pa
     refused = invoke("simulate", str(scene), "--from", "0.2,0.4,0.3")
     assert refused.status == 2
     assert "required a unit, as 0.3deg or 0.3rad" in refused.err
-
-
-def test_numbers_of_events_maps_and_failures_have_units(invoke: Invoke, tmp_path: Path) -> None:
-    scene = tmp_path / "table.toml"
-    scene.write_text(TABLE, encoding="utf-8")
-    start = ("simulate", str(scene), "--from", "30,20,5", "--until", "0.01")
-    path = sentence(invoke(*start).out.replace("\u2502", " "))
-    assert "end, t = 0.01 s" in path
-    assert re.search(r"\(\S+, \S+\) mm, heading [45]\S* deg: the time is over", path)
-    assert "theta" not in path
-    mapped = sentence(invoke("simulate", str(scene), "--grid", "2", "--heading", "5", "--until", "0.01").out)
-    assert "mm, heading 5 deg" in mapped
-    assert "moved (mm)" in invoke(*start, "--fail", "1").out
-
-
-def test_a_file_does_not_hide_how_the_path_ends(invoke: Invoke, tmp_path: Path) -> None:
-    scene, file = tmp_path / "table.toml", tmp_path / "path.csv"
-    scene.write_text(TABLE, encoding="utf-8")
-    first, *rest = invoke(
-        "simulate", str(scene), "--from", "30,20,0", "--until", "0.01", "-o", str(file)
-    ).out.splitlines()
-    assert first.startswith(f"{file}: 0 events")
-    assert rest[0].startswith("without inertia: ends ")
-    assert rest[1].startswith("with inertia (simulated, from rest until its place rests at t = ")
 
 
 def test_with_units_the_body_has_inertia(invoke: Invoke, tmp_path: Path) -> None:
@@ -192,50 +168,11 @@ def test_headings_that_fall_or_lie_beside_their_arc_do_not_return() -> None:
     assert found.summary() == "no heading returns"
 
 
-def test_scenes_without_an_outline_are_told_why(invoke: Invoke) -> None:
-    found = invoke("simulate", "four-wheel", "--headings", "12")
-    assert found.status == 2
-    assert "moves alike at every heading" in found.err
-
-
 def test_the_accuracy_of_paths_is_that_of_the_check(invoke: Invoke) -> None:
     """A carton leaves most wheels of a table out: those that carry it at the checked pose say what is near."""
     checked = invoke("check", "carton-on-6x6", "--json").record["answers"]["position"]["accuracy"]
     path = invoke("simulate", "carton-on-6x6", "--from", "0.05,0,0", "--until", "0.1", "--json").record["ending"]
     assert path["accuracy"] == pytest.approx(checked, rel=1e-3)
-
-
-def test_ends_are_in_radians_where_the_scene_states_them(invoke: Invoke, tmp_path: Path) -> None:
-    scene = tmp_path / "table.toml"
-    scene.write_text(TABLE.replace('speed = "m/s" }', 'speed = "m/s", angle = "rad" }'), encoding="utf-8")
-    shown = sentence(invoke("simulate", str(scene), "--from", "30,20,0.1", "--until", "0.05").out)
-    assert re.search(r"ends [\d.]+ mm from the point, heading [\d.]+ rad", shown)
-    assert "deg" not in shown
-
-
-def test_a_start_beside_all_wheels_is_refused_with_the_line_it_tips_over(invoke: Invoke, tmp_path: Path) -> None:
-    scene = tmp_path / "table.toml"
-    scene.write_text(TABLE, encoding="utf-8")
-    refused = invoke("simulate", str(scene), "--from", "500,0,0")
-    assert refused.status == 2
-    assert "the body tips there over the line through wheels 2 and 4" in sentence(refused.err)
-
-
-def test_a_path_under_a_law_says_that_the_clock_stopped_it(invoke: Invoke) -> None:
-    """And, where no body is at rest by then, whether that is before the error is certified to halve."""
-    start = ("--from", "0.2,0.1,0.1", "--feedback", "--until")
-    kappa = invoke("check", "four-wheel", "--json").record["answers"]["pose"]["rate"]
-    short, longer, whole = (
-        " ".join(invoke("simulate", "four-wheel", *start, until).out.split()) for until in ("2", "5", "20")
-    )
-    stopped = "that is where the clock stopped, at t = "
-    assert f"{stopped}2, not where the law leads; that is sooner than the certified time" in short
-    assert f"near the point, {math.log(2) / float(kappa):.4g} " in short
-    assert stopped in longer
-    assert "sooner than" not in longer
-    assert stopped not in whole
-    words = invoke("simulate", "four-wheel", "--rule", "box", *start, "1").out
-    assert 'where "tie" is zero two of them do so alike' in " ".join(words.split())
 
 
 # ---- ``nonsmooth simulate --method dynamics``: its text, JSON, CSV and pictures, and what it refuses.
@@ -261,15 +198,6 @@ def test_record_is_that_of_a_trajectory_with_body_and_velocity(capsys: pytest.Ca
     assert np.array_equal(np.column_stack([record["state"], record["velocity"]]), path.states)
     assert record["velocity"][0] == [0, 0, 0]
     assert (record["end"]["t"], record["end"]["reason"], record["unique"]) == (2, "the time is over", True)
-
-
-def test_body_is_a_disc_of_a_tenth_unless_said_otherwise(capsys: pytest.CaptureFixture[str]) -> None:
-    record = json.loads(invoke(capsys, *DYNAMICS, "--until", "0.1", "--json"))
-    assert (record["mass"], record["inertia"]) == (0.1, pytest.approx(0.1))  # R^2 = 2
-    text = invoke(capsys, *DYNAMICS, "--until", "0.1")
-    assert "four-wheel: full dynamics, mass 0.1, inertia 0.1, from rest" in text
-    assert "end: the time is over" in text
-    assert "(1/g): 0.1 unless stated" in text
 
 
 HEAVY_TABLE = """
@@ -310,15 +238,6 @@ def test_gravity_is_that_of_the_units_a_scene_states(capsys: pytest.CaptureFixtu
 def test_path_does_not_depend_on_the_scenes_rule(capsys: pytest.CaptureFixture[str]) -> None:
     one, other = (invoke(capsys, *DYNAMICS, "--until", "0.2", "--rule", rule) for rule in ("ellipse", "nearest"))
     assert one == other
-
-
-@thorough  # the small one: test_rules_without_a_path_are_named, analysis/test_mass_study.py
-def test_masses_name_paths_that_end_early_or_do_not_exist(capsys: pytest.CaptureFixture[str]) -> None:
-    outward = ("simulate", "outward", "--from", "0.2,0.4,0", "--method", "dynamics", "--compare-masses")
-    assert "rule nearest: compared until t = 0.0791001" in invoke(capsys, *outward)
-    outside = ("simulate", "four-wheel", "--from", "0.6,0.4,0", "--method", "dynamics", "--compare-masses")
-    text = " ".join(invoke(capsys, *outside, "--until", "0.1").split())
-    assert "rule box: no path: required a start inside the domain" in text
 
 
 # ---- Solutions of plain systems through the command line, against their closed forms -------------

@@ -342,10 +342,3 @@ def test_programs_that_are_too_large_are_said_to_be(
     )
     assert "no larger region was sought" in invoke("check", str(file)).out
     assert "no larger region was sought" not in invoke("check", str(file), "--region", "none").out
-
-
-@pytest.mark.parametrize("rhs", [["y", "-x - y"], ["-y", "x - (1 - x**2)*y"]])
-def test_another_search_is_refused(rhs: list[str]) -> None:
-    """Where every start comes, and where some do."""
-    with pytest.raises(ValueError, match="search: required fast or best, received 'slow'"):
-        ns.System(["x", "y"], rhs).check().with_region("slow")

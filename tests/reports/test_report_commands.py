@@ -23,7 +23,7 @@ from nonsmooth.reports.checks.system_subject import SystemSubject
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.derivations.derivation import ReportResult, derive_report, render_report
 from nonsmooth.reports.derivations.parts import brief_document, names_of
-from nonsmooth.reports.output.console import BAD_INPUT, run
+from nonsmooth.reports.output.console import run
 from nonsmooth.reports.output.document import Bullets, Document, Math, Paragraph, Section, Table, plain_text
 from nonsmooth.reports.output.prose import with_formulas
 from nonsmooth.reports.sections.opening import answers_section
@@ -34,7 +34,6 @@ from nonsmooth.symbolic.formulas.trees import formula_tree, tidied, written
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from tests.oracles.floats import value
-from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
 
 # ---- Every figure of a report names the command that draws it: the command runs, wherever the checked point lies.
@@ -182,19 +181,6 @@ def test_it_has_two_pages(four_wheel: ArraySubject, tmp_path: Path) -> None:
     assert int(found[1]) <= PAGES
 
 
-def test_the_command_says_the_answers_in_a_line(invoke: Invoke) -> None:
-    done = invoke("derive", "four-wheel", "--brief", "-o", "brief.md")
-    assert "brief.md: position comes home, heading drifts, pose can be held" in " ".join(done.out.split())
-    assert Path("brief.md").read_text(encoding="utf-8").startswith("# In brief: four-wheel")
-
-
-def test_what_does_nothing_with_it_is_refused(invoke: Invoke) -> None:
-    plain = invoke("derive", "relay-oscillator-damped", "--brief")
-    assert (plain.status, "--brief: required an array of wheels" in plain.err) == (2, True)
-    chosen = invoke("derive", "four-wheel", "--brief", "--only", "verdict")
-    assert (chosen.status, "--only: required a report of all sections" in chosen.err) == (2, True)
-
-
 # ---- The derivation report of plain systems: in every format, by name of section, and its sliding velocities.
 
 RELAYS = ns.System(["x_1", "omega"], ["-sign(x_1) + omega/4", "-sign(omega) - x_1/4"], radius="1/2")
@@ -330,18 +316,6 @@ def test_sliding_velocities_are_limits_of_small_steps() -> None:
         assert walked == pytest.approx(predicted, abs=0.04)  # the field changes along the way
 
 
-def test_the_command_writes_and_refuses(invoke: Invoke, tmp_path: Path) -> None:
-    page = tmp_path / "eq-4.html"
-    outcome = invoke("derive", "eq-4", "--only", "verdict,portrait", "-o", str(page))
-    assert (outcome.status, outcome.out) == (0, f"{page}: asymptotically stable\n")
-    assert "<svg" in page.read_text(encoding="utf-8")
-    rule, section = ("--rule", "box"), ("--only", "wheels")
-    for options, named in [(rule, "required no contact rule"), (section, "required names among verdict")]:
-        refused = invoke("derive", "eq-4", *options)
-        assert refused.status == BAD_INPUT
-        assert named in refused.err
-
-
 # ---- Formulas of systems that were rewritten: short in reports, and with the same values ---------
 
 RATES = ["sin(x) - 2*sgn(x + y) - y", "1/4 - (1 - x)*cos(2*x - y) + Abs(y)", "-(x/2 + sin(y + pi/2)) + 10*sin(x)**2"]
@@ -411,12 +385,3 @@ def test_no_word_is_lost(name: str, rule: str) -> None:
     check = check_theorem4(load_scene(name, rule=rule))
     for reason in (check.reason, *(found.reason for _, found in check.clauses)):
         assert plain(reason) == reason
-
-
-def test_a_report_without_a_section_about_the_scene_is_refused(invoke: Invoke, tmp_path: Path) -> None:
-    """It was an empty file; the reasons are those that a report with other sections gives."""
-    page = tmp_path / "page.md"
-    only = ("--rule", "ellipse", "--only", "cells,feedback", "-o", str(page))
-    outcome = invoke("derive", "differential-drive", *only)
-    assert (outcome.status, page.exists()) == (2, False)
-    assert "--only: required a section that is about this scene, received none (cells: rule ellipse" in outcome.err

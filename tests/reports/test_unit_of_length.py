@@ -29,10 +29,12 @@ from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.scene import Scene, default_length
+from nonsmooth.symbolic.mechanics.scene import default_length
 from tests.array_certificates import check_certificate, proofs, said
 from tests.measured_arrays import Kind, measured_array
+from tests.oracles.array_bounds import control_fields
 from tests.oracles.floats import Floats
+from tests.oracles.wheels_in_floats import pose_rate
 from tests.proofs.forged import with_results
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
@@ -201,20 +203,6 @@ def test_comparison_methods_take_their_width_in_the_scenes_unit(method: str, inv
 # ---- V falls at the rate that is certified, by arithmetic of its own -----------------------------------------
 
 
-def rows_at(scene: Scene, c: Floats) -> tuple[Floats, Floats]:
-    """The inverse of the two rows of the nearest wheel and the roll row of the second, and their directions."""
-    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-    rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in scene.wheels])
-    i, j = np.argsort(np.hypot(*(places - c).T))[:2]
-
-    def row(direction: Floats, place: Floats) -> list[float]:
-        return [*direction, direction @ [-place[1], place[0]]]
-
-    across = np.array([-rims[i][1], rims[i][0]])
-    held = np.array([row(rims[i], places[i]), row(across, places[i]), row(rims[j], places[j])])
-    return np.linalg.inv(held), held
-
-
 @pytest.mark.parametrize("name", ["squares", "a stated length"])
 def test_v_falls_at_the_certified_rate_along_the_closed_loop(name: str) -> None:
     array = TABLES[name].array("in")
@@ -230,10 +218,9 @@ def test_v_falls_at_the_certified_rate_along_the_closed_loop(name: str) -> None:
     assert (values <= values[0] * (np.exp(-2 * kappa * path.t) + INTEGRATION)).all()
     for pose in path.state:
         c, g = pose[:2], np.array([*pose[:2], length**2 * pose[2]])
-        inverse, _ = rows_at(scene, c)
-        inputs = -(g @ inverse)[[0, 2]]  # u = -k (a, b): the products of g with the twists for unit inputs
-        twist = inverse[:, [0, 2]] @ inputs
-        rate = 2 * (c @ (twist[:2] + twist[2] * np.array([-c[1], c[0]])) + length**2 * pose[2] * twist[2])
+        # u = -k (a, b): the products of g with the twists for unit inputs
+        twist = np.sum([-(g @ field) * field for field in control_fields(scene, c)], axis=0)
+        rate = 2 * g @ pose_rate(twist, c)
         value = c @ c + length**2 * pose[2] ** 2
         assert rate <= -2 * kappa * value + INTEGRATION * value
 
@@ -392,7 +379,7 @@ def test_rings_with_irrational_and_measured_places(count: int, phase: Any, rule:
 
 # ---- Headings in whole degrees and positions in millimetres, through the command line: every check ends soon.
 #
-# The benchmarks hold the same at large (``tests/benchmarks/test_measured_speed.py``).
+# The benchmarks hold the same at large (``tests/benchmarks/test_at_large.py``).
 
 LONGEST = 10  # seconds of processor time
 

@@ -18,7 +18,6 @@ from nonsmooth.symbolic.files.scene_values import AngleReading, read_angle, read
 from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import AngleUnit, LengthUnit, SpeedUnit, Units
-from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_field import (
     MOST_DEGREE,
     ROUNDING,
@@ -435,22 +434,6 @@ def test_units_follow_the_scene_and_are_no_part_of_equality_or_certificates(tmp_
     assert scene == plain
     assert scene_record(scene) == scene_record(plain)
     assert scene.recentred().units == Units("mm", in_degrees=True)
-
-
-@pytest.mark.parametrize(
-    ("table", "line"),
-    [
-        ('length = "ft"', "units.length: required 'm', 'cm', 'mm' or 'in', received 'ft'"),
-        ('length = "m"\nspeed = "m"', "units.speed: required 'm/s', 'cm/s', 'mm/s' or 'in/s', received 'm'"),
-        ('speed = "m/s"', "units.length: required a unit of length beside speed = m/s, received nothing"),
-        ('angle = "grad"', "units.angle: required 'deg' or 'rad', received 'grad'"),
-        ('time = "s"', "units.time: required one of the keys length, speed, angle, received an unknown key"),
-    ],
-)
-def test_what_is_no_unit(tmp_path: Path, table: str, line: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        load(tmp_path, f"{WHEELS}[units]\n{table}\n")
-    assert str(caught.value) == f"{tmp_path / 'my.toml'}: {line}"
 
 
 def test_every_unit_of_length_has_its_unit_of_speed() -> None:

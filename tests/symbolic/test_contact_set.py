@@ -9,12 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from flint import arb
 from scipy.spatial import ConvexHull
 
+from nonsmooth.analysis.bodies.sampled_tables import drawn_model
+from nonsmooth.proofs.boxes.balanced_forces import load_box
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, alone, contact_set, standing
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.springs import NoSpringsError, carried_table, centre_of
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -154,20 +157,6 @@ def test_an_array_of_its_own_is_numbered_anew(tmp_path: Path) -> None:
     assert standing(own) == own == alone(own)
 
 
-@pytest.mark.parametrize(
-    ("text", "key"),
-    [
-        ("heading = true\n", "body.heading"),
-        ("centre_of_mass = [1.3, 0]\n", "body.centre_of_mass"),
-        ("centre_of_mass = [1, 2, 3]\n", "body.centre_of_mass"),
-        ("mass = 2\n", "body.mass"),
-    ],
-)
-def test_bad_bodies(text: str, key: str, tmp_path: Path) -> None:
-    with pytest.raises(SceneError, match=f"{key}: required"):
-        scene_of(tmp_path, BOX + text)
-
-
 def test_polygons_with_a_corner_that_turns_inward(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match=r"body.vertices: required a convex polygon"):
         scene_of(tmp_path, '[body]\nshape = "polygon"\nvertices = [[0, 0], [2, 0], [2, 2], [1, 0.5], [0, 2]]\n')
@@ -206,6 +195,38 @@ def test_sum_and_moments_balance_exactly_everywhere() -> None:
         assert moment == [0, int(axis == 0), int(axis == 1)]
     x, y = centre_of(values, places)
     assert [a + b * x + c * y for a, b, c in rows] == [value / 14 for value in values]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_tolerances_of_positions_hold_the_measured_loads_of_wheels_that_stand_elsewhere(
+    seed: int, tmp_path: Path
+) -> None:
+    """Their centre is off with the wheels; loads were taken to be those of the wheels as drawn."""
+    scene, rng = (
+        load_scene(str(four(tmp_path, '{kind = "measured", values = [1, 2, 1, 3]}'))),
+        np.random.default_rng(seed),
+    )
+    off, field = Fraction(1, 100), scene.field
+    loads = load_box(scene, arb(off.numerator) / off.denominator)
+    corners = rng.choice([-1, 1], (4, 2)) if seed else np.ones((4, 2), int)
+    moved = [(x + off * int(a), y + off * int(b)) for (x, y), (a, b) in zip(scene.positions, corners, strict=True)]
+    own = carried_table([field(k) for k in (1, 2, 1, 3)], moved)
+    assert loads is not None
+    for place in ((0, 0), (Fraction(1, 10), Fraction(-1, 5))):
+        values = [float(a + b * place[0] + c * place[1]) for a, b, c in own.rows]
+        held = loads.at([arb(Fraction(entry).numerator) / Fraction(entry).denominator for entry in place])
+        assert all(arb(value, 2.0**-40).overlaps(ball) for value, ball in zip(values, held, strict=True))
+        assert max(float(ball.rad()) for ball in held) < 0.05
+
+
+def test_drawn_tables_carry_the_measured_loads_where_their_wheels_stand(tmp_path: Path) -> None:
+    scene = load_scene(str(four(tmp_path, '{kind = "measured", values = [1, 2, 1, 3]}')))
+    field = scene.field
+    box = Tolerance(field(Fraction(1, 50)), Fraction(0), field(0), field(0), field(0), field(0))
+    model = drawn_model(scene, box, np.random.default_rng(3))
+    places = [(field(Fraction(x)), field(Fraction(y))) for x, y in model.positions.tolist()]
+    rows = carried_table([field(k) for k in (1, 2, 1, 3)], places).rows
+    assert model.load_table == pytest.approx(np.array([[float(entry) for entry in row] for row in rows]), abs=ROUNDING)
 
 
 def test_wheels_on_a_line_are_refused() -> None:

@@ -32,7 +32,6 @@ from nonsmooth.symbolic.mechanics.equations import input_symbol, wheel_constrain
 from nonsmooth.symbolic.mechanics.friction_set import BorderPiece, Box, CutEllipse, FrictionSet, float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled
-from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.thorough import examples
 
@@ -383,32 +382,6 @@ def test_the_axis_of_all_wheels_yields_to_their_own(tmp_path: Path) -> None:
     assert first is not None
     assert [str(x) for x in first] == ["-1", "0"]
     assert second is None
-
-
-REFUSED = [
-    ("axis = [0, 0]", "wheel[1].axis: required a nonzero direction at wheel 1, position (1, 1)"),
-    ("axis = 'rim'", 'wheel[1].axis: required "inward", "outward", an angle such as'),
-    ("axis = [1]", "wheel[1].axis: required"),
-    ("axis = nan", "wheel[1].axis: required"),
-    ("axes = [1, 0]", "wheel[1].axes: required one of the keys"),
-]
-
-
-@pytest.mark.parametrize(("line", "message"), REFUSED)
-def test_one_line_says_what_is_wrong(tmp_path: Path, line: str, message: str) -> None:
-    file = tmp_path / "scene.toml"
-    file.write_text(f"{FRICTION}[[wheel]]\nposition = [1, 1]\n{line}\n{REST}")
-    with pytest.raises(SceneError) as caught:
-        load_scene(file)
-    assert message in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
-def test_a_common_axis_without_direction_names_the_wheel(tmp_path: Path) -> None:
-    file = tmp_path / "scene.toml"
-    file.write_text(f"{FRICTION}axis = 'inward'\n[[wheel]]\nposition = [0, 0]\nheading = 0\n{REST}")
-    with pytest.raises(SceneError, match=r"friction.axis: required a nonzero direction at wheel 1, position \(0, 0\)"):
-        load_scene(file)
 
 
 def test_similar_scenes_keep_their_axes() -> None:

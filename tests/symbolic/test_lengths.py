@@ -18,7 +18,6 @@ from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, default_length, rational_size
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length, moved, scaled, with_friction_ratio
 from nonsmooth.symbolic.mechanics.springs import under_rule
-from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane import Vector, cross, minus
 from nonsmooth.symbolic.systems.switched_system import scaled_system, with_rate_ratio
@@ -99,22 +98,6 @@ def test_a_default_length_follows_the_point_and_a_stated_one_stays(tmp_path: Pat
         point = (scene.field(4), scene.field(0))
         there = scene.checked_at(point, scene.check.radius)
         assert (there.check.length, there.check.equilibrium) == (length, point)
-
-
-@pytest.mark.parametrize(
-    ("value", "message"),
-    [
-        ('"sqrt(2)"', "check.length: required a rational number, received sqrt(2)"),
-        ("0", "check.length: required a positive number, received 0"),
-        ('"-1/2"', "check.length: required a positive number, received -1/2"),
-        ('"l"', "check.length: required a formula of numbers"),
-    ],
-)
-def test_another_length_is_refused_in_one_line(tmp_path: Path, value: str, message: str) -> None:
-    with pytest.raises(SceneError) as refusal:
-        load_scene(written(tmp_path, f"length = {value}"))
-    assert message in str(refusal.value)
-    assert "\n" not in str(refusal.value)
 
 
 def test_in_its_own_length_a_scene_has_length_one() -> None:

@@ -18,7 +18,7 @@ from flint import arb, ctx
 from nonsmooth.analysis.cells import box, nearest
 from nonsmooth.proofs import theorem4
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.output.console import BAD_INPUT, run
+from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.documents import MAX_NESTING, MAX_PARTS, toml_excess
 from nonsmooth.symbolic.files.scene_file import load_any, load_scene
 from nonsmooth.symbolic.files.scene_values import read_exact, read_start_angle
@@ -121,11 +121,6 @@ def test_missing_csv(tmp_path: Path, name: str, words: str) -> None:
     assert words in str(error)
 
 
-def test_missing_file_names_the_closest_built_in_scenes() -> None:
-    with pytest.raises(SceneError, match=r"^four-weel: required .* such as four-wheel or .* no such file$"):
-        load_scene("four-weel")
-
-
 @pytest.mark.parametrize("source", ["", "\0", "a\nb", "\ud800", "x" * 10_000, "/", "a/b.toml"], ids=range(7))
 def test_no_such_file(source: str) -> None:
     with pytest.raises(SceneError) as caught:
@@ -142,33 +137,6 @@ def test_directories_and_devices_are_no_scenes(tmp_path: Path) -> None:
 def test_binary_file(tmp_path: Path, data: bytes) -> None:
     (tmp_path / "my.toml").write_bytes(data)
     check_line(error_of(tmp_path / "my.toml"), "my.toml")
-
-
-@pytest.mark.parametrize(
-    ("overrides", "key"),
-    [
-        ({"rule": "closest"}, "contact.rule"),
-        ({"rule": ""}, "contact.rule"),
-        ({"radius": "nan"}, "check.radius"),
-        ({"radius": "-1"}, "check.radius"),
-        ({"radius": "x"}, "check.radius"),
-        ({"at": "1"}, "check.equilibrium"),
-        ({"at": "1,2,3"}, "check.equilibrium"),
-        ({"at": "1,\n"}, "check.equilibrium"),
-        ({"at": "[0, 0]"}, "check.equilibrium"),
-    ],
-)
-def test_overrides_are_checked_like_the_file(overrides: dict[str, Any], key: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        load_scene("four-wheel", **overrides)
-    check_line(caught.value, f"four-wheel: {key}: ")
-
-
-def test_a_point_beyond_floats_is_refused() -> None:
-    """It ended with a traceback, of plain systems."""
-    with pytest.raises(SceneError) as caught:
-        load_any("relay-chain", at="0,0,-1e400")
-    check_line(caught.value, "relay-chain: check.equilibrium: required numbers within the range of floats")
 
 
 def test_error_carries_its_values(tmp_path: Path) -> None:
@@ -202,19 +170,6 @@ def test_shown(value: object, text: str) -> None:
 
 # ---- Messages that guess what was meant ----------------------------------------------------------
 
-SCENE = """
-name = "guess"
-[friction]
-mu_roll = 1
-{side} = 0.5
-[[wheel]]
-position = [1, 0]
-heading = "inward"
-speed = 1
-[contact]
-rule = "{rule}"
-"""
-
 
 def test_every_other_name_of_a_rule_is_one_of_ours() -> None:
     assert set(RULES.values()) <= set(CONTACT_RULES)
@@ -240,19 +195,6 @@ def test_what_is_meant(given: object, known: list[str], meant: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("side", "rule", "said"),
-    [("mu_syde", "nearest", "(is mu_side meant?)"), ("mu_side", "omni", "(is roller meant?)")],
-)
-def test_a_scene_is_refused_with_a_guess(
-    side: str, rule: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "guess.toml"
-    file.write_text(SCENE.format(side=side, rule=rule))
-    assert run(app, ["check", str(file)]) == BAD_INPUT
-    assert said in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
     ("text", "hint"),
     [
         ("15 %", '(for 15 % write "15/100")'),
@@ -266,13 +208,6 @@ def test_a_scene_is_refused_with_a_guess(
 def test_a_number_with_a_unit_is_told_what_to_write(text: str, hint: str) -> None:
     with pytest.raises(ExpressionError, match=re.escape(hint)):
         read_exact(text)
-
-
-def test_options_guess_too(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(app, ["check", "four-wheel", "--rule", "mecanum"]) == BAD_INPUT
-    assert "(is roller meant?)" in capsys.readouterr().err
-    assert run(app, ["derive", "four-wheel", "-o", "report.pdf"]) == BAD_INPUT
-    assert "(pdflatex makes a .pdf of a .tex)" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,6 @@ from typing import Any
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.reports.cli import app
-from nonsmooth.reports.output.console import BAD_INPUT, run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
@@ -399,57 +397,6 @@ def test_a_speed_at_its_limit_is_within_it(tmp_path: Path) -> None:
     assert load_scene(scene_of(tmp_path, f'{magnitude}[drive]\nspeed_limit = "sqrt(2)"\n')).speed_limits
 
 
-REFUSED = [
-    (f"{RING}[drive]\nspeed_limit = 0\n", "drive.speed_limit: required a positive number, received 0"),
-    (f"{RING}[drive]\nspeed_limit = -1\n", "drive.speed_limit: required a positive number, received -1"),
-    (f"{RING}[drive]\nspeed_limit = nan\n", "drive.speed_limit: required"),
-    (f"{RING}[drive]\nspeed_limit = inf\n", "drive.speed_limit: required"),
-    (f'{RING}[drive]\nspeed_limit = "fast"\n', "drive.speed_limit: required"),
-    (f"{RING}[drive]\nspeed_limit = true\n", "drive.speed_limit: required"),
-    (f"{RING}[drive]\nspeed_limit = [1, 2]\n", "drive.speed_limit: required"),
-    (f'{RING}[drive]\nspeed_limit = "1 - sqrt(2)"\n', "drive.speed_limit: required a positive number"),
-    (f"{RING}[drive]\nlimit = 1\n", "drive.limit: required one of the keys speed_limit, received an unknown key"),
-    (f"drive = 1\n{RING}", "drive: required a table"),
-    (f"{LIMITED}speed_limit = 0\n", "wheel[3].speed_limit: required a positive number, received 0"),
-    (f"{RING}speed_limit = 1\n", "ring.speed_limit: required one of the keys"),
-    # the array's own speeds
-    (f"{RING}[drive]\nspeed_limit = 0.5\n", "field.speed: required at wheel 1 a speed within its speed_limit 1/2, "),
-    (
-        f"{LIMITED}speed = -3\nspeed_limit = 2\n",
-        "wheel[3].speed: required at wheel 3 a speed within its speed_limit 2, rec",
-    ),
-    (
-        f'{LIMITED}heading = "inward"\nspeed_limit = 0.5\n',
-        "wheel[3].speed: required at wheel 3 a speed within its speed_l",
-    ),
-    (
-        f'{RING}[field]\nkind = "radial"\nspeed = "magnitude"\n[drive]\nspeed_limit = "9/10"\n',
-        "field.speed: required at wheel 1 a speed within its speed_limit 9/10, received 1",
-    ),
-    (
-        f'{RING}{SLOW}[units]\nlength = "mm"\nspeed = "m/s"\n[drive]\nspeed_limit = "1/20"\n',
-        "field.speed: required at wheel 1 a speed within its speed_limit 50 mm/s, received 100 mm/s",
-    ),
-]
-
-
-@pytest.mark.parametrize(("text", "message"), REFUSED)
-def test_bad_values_end_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, message: str
-) -> None:
-    # keys of the top table come before all others
-    document = text + HEAD if text.startswith("drive") else HEAD + text
-    file, output = tmp_path / "s.toml", tmp_path / "path.csv"
-    file.write_text(document, encoding="utf-8")
-    with pytest.raises(SceneError):
-        load_scene(file)
-    assert run(app, ("simulate", str(file), "--from", "0,0,0", "-o", str(output))) == BAD_INPUT
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert err.removeprefix(f"nonsmooth: {file}: ").startswith(message), err
-    assert not output.exists()
-
-
 def test_bad_cells_of_a_table_name_their_line(tmp_path: Path) -> None:
     for cell, message in (("0", "w.csv:3.speed_limit: required a positive number"), ("x", "w.csv:3.speed_limit: requ")):
         table = f"x,y,speed_limit\n1,0,2\n0,1,{cell}\n-1,-1,2\n"
@@ -500,21 +447,3 @@ def test_boxes_grow_and_shrink(tmp_path: Path) -> None:
     larger = scaled(scene, Fraction(10)).tolerances
     assert larger is not None
     assert (str(larger.position), larger.heading) == ("1", Fraction(2, 180))
-
-
-@pytest.mark.parametrize(
-    ("lines", "said"),
-    [
-        ("position = -1", "tolerance.position: required a number of at least 0, received -1"),
-        ('heading = "90 deg"', "tolerance.heading: required an angle of at least 0, below a quarter turn"),
-        ("speed = 1", "tolerance.speed: required a share of at least 0 and below 1, received 1"),
-        ('mu_roll = "x"', "tolerance.mu_roll: required a formula"),
-        ("size = 1", "tolerance.size: required one of the keys position, heading, speed"),
-        ("position = 0", "tolerance: required an entry that is not zero"),
-    ],
-)
-def test_bad_values_name_the_key(tmp_path: Path, lines: str, said: str) -> None:
-    with pytest.raises(SceneError) as raised:
-        with_table(tmp_path, lines)
-    assert said in str(raised.value)
-    assert "\n" not in str(raised.value)

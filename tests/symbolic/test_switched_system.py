@@ -33,7 +33,6 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.files.scene_values import read_start_angle, read_start_value
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.files.system_document import MAX_STATES
 from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO, TERMS, WAVES, series
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -166,75 +165,6 @@ def test_formulas_are_tried_with_signs_that_occur_together(load: Load) -> None:
     assert len(system.surfaces()) == 1
 
 
-@pytest.mark.parametrize(
-    ("states", "rhs", "named"),
-    [
-        ([], [], "1 to 8 different names"),
-        (["x", "x"], ["1", "1"], """names such as ["x", "y"], received ['x', 'x']"""),
-        (["x", "sign"], ["1", "1"], "1 to 8 different names"),
-        (["x", "max"], ["1", "1"], "1 to 8 different names"),
-        (["x", "lambda"], ["1", "1"], "; lambda means something else in formulas"),
-        (["x", "θ"], ["1", "1"], "of letters a to z"),
-        (["x"], ["sin(t) - x"], "system.rhs[1]: required a formula of x, numbers"),
-        (["x"], ["sin(t) - x"], "received 'sin(t) - x'"),
-        (
-            ["x"],
-            ["t*x"],
-            "system.rhs[1]: required a formula of x, numbers, + - * / **, sign, abs, max, min, relu, sat, sqrt",
-        ),
-        (["x"], ["Max(x)"], "system.rhs[1]: required Max(a, b, ...), received 'Max(x)'"),
-        (["x"], ["-x + sat(x)"], "system.rhs[1]: required sat(a, low, high), received"),
-        (
-            ["x"],
-            ["tan(x)"],
-            "sin, cos, tanh, atan and exp of polynomials in the states, sqrt and rational powers of Abs of a state",
-        ),
-        (["x"], ["Max()"], "system.rhs[1]: required Max(a, b, ...)"),
-        (["x"], ["Max(x, key=1)"], "system.rhs[1]: required Max(a, b, ...)"),
-        (["x"], ["Max(*x)"], "system.rhs[1]: required Max(a, b, ...)"),
-        (["x"], ["sgn(x, 1)"], "system.rhs[1]: required sgn(a)"),
-        (["x"], ["sat(x, 1, -1)"], "system.rhs[1]: required sat(a, low, high) with low <= high"),
-        (["x", "y"], ["y", "-Max(x, sat(y, 2, 1/2))"], "system.rhs[2]: required sat(a, low, high) with low <= high"),
-        (["x"], ["Min(x, 1/x)"], "system.rhs[1]: required denominators that are not zero at the checked point"),
-        ([f"x{k}" for k in range(MAX_STATES + 1)], ["1"] * (MAX_STATES + 1), "1 to 8 different names"),
-        (["x", "y"], ["1"], "2 formulas"),
-        (["x"], ["y"], "system.rhs[1]"),
-        (["x"], ["__import__('os')"], "system.rhs[1]"),
-    ],
-)
-def test_bad_files_are_refused(load: Load, states: list[str], rhs: list[str], named: str) -> None:
-    with pytest.raises(SceneError, match=r"my\.toml") as caught:
-        load(states, rhs)
-    assert named in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("stated", "expected"),
-    [
-        ("-sqrt(Abs(x))*sgn(x) + foo", "a formula of x, y, numbers"),
-        ("-Abs(x)**(1/3)*sgn(x) + y**x", "an integer exponent"),
-        ("-Abs(x)**(1/3)*sgn(x) + relu(sin(3))", "a rational multiple of pi"),
-        ("-Abs(x)**(1/3)*sgn(x) + Abs(y)**(1/5)*x/Abs(y)**(1/5)", "denominators that are not zero"),
-    ],
-)
-def test_a_refusal_names_the_formula_of_the_file_where_states_stand_under_roots(
-    load: Load, stated: str, expected: str
-) -> None:
-    """Not that in the roots of the states, which nobody wrote."""
-    with pytest.raises(SceneError, match=re.escape("system.rhs[1]: required " + expected)) as caught:
-        load(["x", "y"], [stated, "-y"])
-    assert caught.value.value == stated
-    assert "root_" not in str(caught.value)
-
-
-@pytest.mark.parametrize("guard", ["k*x > 0", "sin(x) > 0"])
-def test_other_guards_are_refused_where_they_stand(guard: str) -> None:
-    tables = [{"where": [guard], "rhs": ["-x"]}, {"rhs": ["-2*x"]}]
-    document = {"system": {"states": ["x"], "parameters": {"k": [1, 2]}}, "region": tables}
-    with pytest.raises(SceneError, match=r"region\[1\].where\[1\]: required a guard without interval"):
-        build_system(document, "t", Path("t"))
-
-
 def test_a_formula_may_take_several_lines() -> None:
     system = build_system({"system": {"states": ["x"], "rhs": ["-x\n - 2*x"]}}, "t", Path("t"))
     assert system.rhs[0].text == "-x  - 2*x"
@@ -324,28 +254,6 @@ def test_paths_take_functions_themselves_however_large_what_they_are_of(kind: st
         assert velocity(system, np.array([0.0, y]))[1] == pytest.approx(-expected, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("formula", "expected"),
-    [
-        ("exp(x)", "exp of minus a sum of even powers"),
-        ("exp(-x*y)", "exp of minus a sum of even powers"),
-        ("exp(x**2 - y**4)", "exp of minus a sum of even powers"),
-        ("exp(-x**3)", "exp of minus a sum of even powers"),
-        ("exp(Abs(x))", "exp of minus a sum of even powers and absolute values"),
-        ("exp(-Abs(x)*x)", "exp of minus a sum of even powers and absolute values"),
-        ("exp(-Abs(x + 1))", "exp of what is zero at the checked point"),
-        ("tanh(x + 1)", "tanh of what is zero at the checked point"),
-        ("atan(tanh(x))", "none of sin, cos, tanh, atan and exp inside another"),
-        ("sign(tanh(x))", "sin, cos, tanh, atan and exp of states in sums and products only"),
-        ("tanh(1)*x", "without 'tanh(1)'"),
-    ],
-)
-def test_other_functions_are_refused(formula: str, expected: str) -> None:
-    with pytest.raises(SceneError, match="rhs") as caught:
-        built([f"-x + {formula}", "-y"])
-    assert expected in str(caught.value)
-
-
 def test_paths_of_numbers_beyond_floats_are_refused() -> None:
     with pytest.raises(RefusalError, match="coefficients within the range of floats"):
         velocity(built(["y", "-x - y*1e200*1e200"]), np.array([0.1, 0.1]))
@@ -378,44 +286,6 @@ def test_whole_exponents_may_be_written_otherwise(written: str, whole: str) -> N
     powers = [node.right for node in ast.walk(tree) if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow)]
     assert powers
     assert all(isinstance(power, ast.Constant) and type(power.value) is int for power in powers)
-
-
-@pytest.mark.parametrize(
-    ("rhs", "parameters", "said"),
-    [
-        (["y", "-x/y"], None, "required denominators that are not zero at the checked point"),
-        (["y", "-x/(1 + 1/(1 + y))"], None, "required no fraction and no sine of states in a denominator"),
-        (["y", "-x/(1 + sin(x))"], None, "required no fraction and no sine of states in a denominator"),
-        (["y", "sin(x - 1)"], None, "system.rhs: required sin and cos of what is zero at the checked point"),
-        (["y", "sin(x + 1 + pi)"], None, "up to a multiple of pi, received 'x + 1'"),
-        (["y", "sin(x + 1 + pi*sqrt(2))"], None, "system.rhs[2]: required a rational multiple of pi"),
-        (
-            ["y", "sgn(sin(x))"],
-            None,
-            "system.rhs[2]: required sin, cos, tanh, atan and exp of states in sums and products only",
-        ),
-        (["y", "sin(sin(x))"], None, "system.rhs[2]: required none of sin, cos, tanh, atan and exp inside another"),
-        (["-sin(x)", "sin(sin(y))"], None, "inside another, received 'sin(sin(y))'"),
-        (["sin(x) + sin(2*x) + sin(3*x)", "sin(y) + sin(2*y) + sin(3*y)"], None, "system.rhs: required at most 5"),
-        (["sin(x) + sin(2*x) + sin(3*x)", "sin(y) + sin(2*y) + sin(3*y)"], None, "of states, received 6"),
-        (["y", "sin(x/(1 - 1))"], None, "required sin, cos, tanh, atan and exp of polynomials in the states"),
-        (
-            ["y", "sin(x)**4*cos(y)**3"],
-            None,
-            "system.rhs[2]: required at most 5 of sin, cos, tanh, atan and exp of states",
-        ),
-        (["y", "-x/k"], {"k": [1, 2]}, "system.rhs[2]: required a formula that is affine in the interval parameter k"),
-        (["y", "-Abs(k)*x"], {"k": [1, 2]}, "required a formula that is affine"),
-        (["y", "-k*x"], {"k": [2, 1]}, "system.parameters.k: required an interval of two rational numbers"),
-        (["y", "-k*x"], {"k": [1]}, "system.parameters.k: required an interval of two rational numbers"),
-        (["y", "-k*x"], {"x": [1, 2]}, "system.parameters.x: required a name that is no state and no function"),
-    ],
-)
-def test_bad_input_in_one_line(rhs: list[str], parameters: dict[str, Any] | None, said: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        built(rhs, parameters)
-    assert said in str(caught.value)
-    assert "\n" not in str(caught.value)
 
 
 def test_a_sine_must_vanish_at_the_checked_point() -> None:
@@ -529,27 +399,6 @@ def test_formulas_are_complete_and_mean_the_same(tmp_path: Path) -> None:
     assert system.check.lyapunov.text == "sqrt(2)*Abs(x) + v**2/2"
     velocity = system.velocity(lambda surface: 1)
     assert float(velocity[1]([system.field(1), system.field(2)])) == pytest.approx(-(2**0.5) - 10)
-
-
-@pytest.mark.parametrize(
-    ("parameters", "key"),
-    [
-        ("{ x = 1 }", "system.parameters.x"),
-        ("{ sign = 1 }", "system.parameters.sign"),
-        ('{ k = "x" }', "system.parameters.k"),
-        ('{ k = "1/0" }', "system.rhs"),
-        ("{ k = [1] }", "system.parameters.k"),
-        ('{ "k k" = 1 }', "system.parameters.k k"),
-        ("3", "system.parameters"),
-        ("{ other = 1 }", "system.rhs"),
-        ("{ k = \"__import__('os')\" }", "system.parameters.k"),
-    ],
-)
-def test_what_cannot_be_used_is_said_in_one_line(tmp_path: Path, parameters: str, key: str) -> None:
-    with pytest.raises(SceneError) as raised:
-        load_system(written(tmp_path, '["v", "-k*x - v"]', parameters))
-    assert f"my.toml: {key}" in str(raised.value)
-    assert "\n" not in str(raised.value)
 
 
 def test_python_changes_some_of_them() -> None:

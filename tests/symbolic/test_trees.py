@@ -20,6 +20,7 @@ from nonsmooth.symbolic.formulas.trees import (
     literal_value,
     multiplied,
     number,
+    parse_tree,
     quotient,
     tidied,
     total,
@@ -87,6 +88,20 @@ def test_decimals_keep_their_digits(text: str) -> None:
     assert isinstance(node, ast.Constant)
     assert written(node) == text
     assert literal_value(node) == Fraction(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "whole"),
+    [
+        ("sat(x)", "sat(x, -1, 1)"),
+        ("-sat((x + sat(y))/0.10) - sat(x, 0, 2)", "-sat((x + sat(y, -1, 1))/0.10, -1, 1) - sat(x, 0, 2)"),
+        ("(x) + sat(x, -1, 1)", "(x) + sat(x, -1, 1)"),  # as it was written
+    ],
+)
+def test_a_saturation_without_limits_is_within_minus_one_and_one(text: str, whole: str) -> None:
+    read, tree = parse_tree(text, 100, "a formula")
+    assert read == whole
+    assert written(tree) == written(formula_tree(whole))
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays
 from tests.oracles.floats import Floats
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
-from tests.oracles.small_steps import Contacts
+from tests.oracles.wheels_in_floats import Contacts
 from tests.thorough import few, keep, thorough
 
 # ---- Where bodies go from all over the square: exact places beside sampled shares ----------------
@@ -149,25 +149,6 @@ def test_auto_takes_the_middle_of_a_rest_area() -> None:
 def test_auto_on_the_command_line(random_file: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(app, ["check", random_file, "--at", "auto", "--require", "position", "--json"]) in {0, 1, 3}
     assert '"answers"' in capsys.readouterr().out
-
-
-@few(2)
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["eq-3"], "required an array of wheels for --at auto, received a plain system"),
-        (["off-center", "--radius", "1/100"], "required a rest point in the checked square, found none"),
-        (
-            ["off-center", "--rule", "ellipse", "--radius", "1/100"],
-            "required a rest point that is simple or can be enclosed under rule ellipse",
-        ),
-    ],
-)
-def test_auto_refuses_in_one_line(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(app, ["check", *arguments, "--at", "auto"]) == 2
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert message in err
 
 
 @thorough  # the small one: test_auto_without_cells_proves_the_point_that_floats_propose

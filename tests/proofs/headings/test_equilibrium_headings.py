@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.set_motion import SetGuesses
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
-from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import HeadingKind, HeadingsOfRest, headings_of_rest
@@ -24,6 +23,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.floats import Floats
+from tests.oracles.wheels_in_floats import Contacts, pose_rate
 from tests.thorough import few, keep, thorough
 
 Field: TypeAlias = tuple[str, str]
@@ -75,16 +75,11 @@ class Oracle:
     half: tuple[float, float]
 
     def __post_init__(self) -> None:
-        wheels = self.scene.wheels
-        self.places = np.array([[float(x) for x in wheel.position] for wheel in wheels])
-        self.rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in wheels])
-        self.speeds = np.array([float(wheel.speed) for wheel in wheels])
-        self.friction = np.array([[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in wheels])
-        self._known: dict[bytes, EllipseMinimizer] = {}
+        self.contacts = Contacts.of(self.scene)
 
     def under(self, pose: Floats) -> NDArray[np.bool_]:
         c, s = math.cos(pose[2]), math.sin(pose[2])
-        away = self.places - pose[:2]
+        away = self.contacts.positions - pose[:2]
         across, along = away @ [c, s], away @ [-s, c]
         return np.asarray((np.abs(across) < self.half[0]) & (np.abs(along) < self.half[1]))
 
@@ -92,16 +87,13 @@ class Oracle:
         """``(c', theta')``; None where the body tips."""
         pressed = np.flatnonzero(under)
         while len(pressed) >= 3:
-            moments = np.vstack([np.ones(len(pressed)), self.places[pressed].T])
+            moments = np.vstack([np.ones(len(pressed)), self.contacts.positions[pressed].T])
             loads, _, rank, _ = np.linalg.lstsq(moments, np.array([1.0, *centre]), rcond=None)
             if rank < 3:
                 return None
             if loads.min() >= 0:
-                model = ContactModel.build(
-                    self.places[pressed], self.rims[pressed], self.speeds[pressed], self.friction[pressed]
-                )
-                vx, vy, omega = EllipseMinimizer().minimize(model, loads[None]).twists[0]
-                return np.array([vx - omega * centre[1], vy + omega * centre[0], omega])
+                model = self.contacts.model(pressed.tolist())
+                return pose_rate(EllipseMinimizer().minimize(model, loads[None]).twists[0], centre)
             pressed = np.delete(pressed, int(np.argmin(loads)))
         return None
 

@@ -29,6 +29,7 @@ from tests.array_certificates import check_certificate, said, say, subject
 from tests.built_in import checked
 from tests.oracles.floats import Floats
 from tests.oracles.rebuilt_arrays import Decoder, assert_still_true, rebuilt
+from tests.oracles.wheels_in_floats import places_of, rims_of
 from tests.proofs.robust.drawn_arrays import drawn_model, small_box
 from tests.proofs.robust.test_nearest_bounds import TABLE, drawn, table, velocities, with_box
 from tests.proofs.robust.test_smooth_discs import box_of
@@ -209,8 +210,8 @@ def case(name: str, factor: Fraction = Fraction(1)) -> tuple[Scene, Tolerance, D
 def commanded(scene: Scene, twist: Floats) -> Floats:
     """The rims' speeds of the scene for a twist, at the places of its wheels."""
     centred = scene.recentred()
-    places = np.array([[float(x) for x in wheel.position] for wheel in centred.wheels])
-    rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in centred.wheels])
+    places = places_of(centred)
+    rims = rims_of(centred)
     at = twist[:2] + twist[2] * np.column_stack([-places[:, 1], places[:, 0]])
     return np.asarray((rims * at).sum(axis=1))
 

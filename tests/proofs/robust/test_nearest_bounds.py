@@ -31,6 +31,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.plane import between
 from tests.conftest import Arrays as Builders
 from tests.oracles.floats import Floats
+from tests.oracles.wheels_in_floats import places_of
 from tests.proofs.robust.drawn_arrays import drawn_model, small_box
 from tests.thorough import few, keep, thorough
 
@@ -77,7 +78,7 @@ def drawn(scene: Scene, count: int, seed: int, factor: float = 1.0) -> Arrays:
         inside[: count // 2] = rng.choice([-1.0, 1.0], (count // 2, *shape[1:]))
         return factor * inside
 
-    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    places = places_of(scene)
     angles = np.array([np.arctan2(float(y), float(x)) for x, y in (wheel.unit_direction for wheel in scene.wheels)])
     angles = angles + shifts((count, n)) * np.pi * float(box.heading)
     speeds = np.array([float(wheel.speed) for wheel in scene.wheels]) * (1 + float(box.speed) * shifts((count, n)))

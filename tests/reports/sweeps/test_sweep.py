@@ -128,14 +128,6 @@ def test_sampled_rates_are_left_out() -> None:
     assert outcome["worst_rate"] is None
 
 
-def test_scenes_that_tip_or_are_refused_have_rows() -> None:
-    rows = swept("carton-on-6x6", {"body.width": "1/2,13/5", "mu_side": "1/2"}).outcomes
-    assert [row["position"] for row in rows] == ["tips", "comes home"]
-    rows = swept("four-wheel", {"mu_side": "-1,1/2"}).outcomes
-    assert [row["position"] for row in rows] == ["refused", "comes home"]
-    assert rows[0]["why"] == "friction.mu_side: required a number of at least 0, received -1"
-
-
 def test_whole_numbers_and_angles_vary_too() -> None:
     assert [row["position"] for row in swept("ring-6", {"ring.count": "5:6:2"}).outcomes] == ["comes home"] * 2
     rows = swept("four-wheel", {"wheel.1.heading": "225,225 deg,5*pi/4,sqrt(2)"}).outcomes
@@ -326,14 +318,6 @@ def test_scenes_that_are_checked_together_have_the_outcomes_of_each(name: str) -
     assert outcomes_of(base, paths, scenes) == [outcome_of(base, paths, scene) for scene in scenes]
 
 
-def test_a_square_beyond_floats_is_refused(invoke: Invoke) -> None:
-    """What is compared after the check divides by its half-width, though no path is followed there."""
-    done = invoke("sweep", "four-wheel", "--rule", "ellipse", "--radius", "1e-400", "--vary", "mu_side=1/4,1/2")
-    assert (done.status, done.out) == (2, "")
-    required = "check.radius: required 0 or a size of 1e-150 to 1e+150"
-    assert done.err.startswith(f"nonsmooth: --vary: required a scene that can be checked, received {required}")
-
-
 @pytest.mark.parametrize(
     ("varied", "values", "shared"),
     [
@@ -467,17 +451,6 @@ contact = { rule = "ellipse" }
     vary = ("--vary", "wheel.1.position.x=100", "--workers", "1")
     (row,) = invoke("sweep", "ring.toml", *vary, "--json").record["rows"]
     assert own["rate"] == pytest.approx(row["rate"])
-
-
-def test_a_number_that_no_wheel_takes_is_refused(invoke: Invoke, tmp_path: Path) -> None:
-    (tmp_path / "wheels.csv").write_text("x,y,mu_side\n1,1,.5\n-1,1,.5\n-1,-1,.5\n1,-1,.5\n", encoding="utf-8")
-    (tmp_path / "own.toml").write_text(
-        'wheels = { file = "wheels.csv" }\nfriction = { mu_roll = 1, mu_side = "1/2" }\n', encoding="utf-8"
-    )
-    outcome = invoke("sweep", "own.toml", "--vary", "mu_side=0.1:1:3")
-    assert outcome.status == 2
-    assert "wheel.1.mu_side (every wheel states its own), received 'friction.mu_side'" in outcome.err
-    assert invoke("sweep", "own.toml", "--vary", "mu_roll=1,2", "--workers", "1").status == 0
 
 
 @pytest.mark.usefixtures("without_paths", "without_other_rules")
