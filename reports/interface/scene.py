@@ -55,10 +55,16 @@ class PythonScene(ABC):
 
     def _studied(self, study: SceneStudy[Any], **keywords: Any) -> Any:
         """What a study finds; keywords that are none of its options change the scene."""
+        from nonsmooth.reports.output.refusals import beyond_floats_named
+
         known = options_of(study.options)
         changes = {name: value for name, value in keywords.items() if name not in known}
-        scene = self.with_(**changes) if changes else self
-        return study.of(scene.exact, **{name: value for name, value in keywords.items() if name in known})
+        scene = (self.with_(**changes) if changes else self).exact
+        with beyond_floats_named(scene) as has_such_numbers:
+            found = study.of(scene, **{name: value for name, value in keywords.items() if name in known})
+            if has_such_numbers:  # what results compute when they are asked fails here, where the number is named
+                found.facts()
+        return found
 
     def _simulated(self, **keywords: Any) -> Any:
         """What the command ``simulate`` finds."""

@@ -122,6 +122,16 @@ def test_a_report_is_the_file_of_the_command(
         assert own == report.text(suffix)
 
 
+@pytest.mark.parametrize(
+    ("key", "value"), [("length", "1e400"), ("radius", "1e400"), ("accuracy", "1e400"), ("accuracy", "1e-400")]
+)
+def test_a_number_beyond_floats_is_named_before_a_result_fails_on_it(key: str, value: str) -> None:
+    """Answers are computed when they are read, where nobody would say which number they fail on."""
+    array = ns.load("four-wheel").with_(**{key: value})
+    with pytest.raises(ns.SceneError, match=rf"check\.{key}: required 0 or a size of"):
+        array.check()
+
+
 def test_a_time_beyond_floats_is_refused() -> None:
     with pytest.raises(ValueError, match="until: required a number within the range of floats, received an integer of"):
         array().map(grid=3, until=10**400)
