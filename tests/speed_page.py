@@ -256,7 +256,7 @@ PAIRS = (
         repeats=1,
     ),
     Pair("audit of a V in the plane", "Z3, questions alone", audit_beside_z3, 0.5, None, "test_solver_speed"),
-    Pair("path of a plate on 36 wheels", "MuJoCo", body_beside_mujoco, 10, None, "test_body_engine", repeats=1),
+    Pair("path of a plate on 36 wheels", "MuJoCo", body_beside_mujoco, 10, None, "test_real_machine", repeats=1),
 )
 
 

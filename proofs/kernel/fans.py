@@ -163,13 +163,15 @@ def _angle(ray: Ray) -> float:
 
 
 def _between(directions: Sequence[Ray]) -> Iterator[Ray]:
-    """A short direction near the middle between each two neighbours."""
+    """A short direction near the middle between each two neighbours that floats tell apart."""
     turned = [*directions[1:], (-directions[0][0], -directions[0][1])]
     for (a, b), (c, d) in zip(directions, turned, strict=True):
         p, q = np.hypot(float(a), float(b)), np.hypot(float(c), float(d))
         middle = (float(a) / p + float(c) / q, float(b) / p + float(d) / q)
-        short = [Fraction(part / max(map(abs, middle))).limit_denominator(16) for part in middle]
-        yield _upper((short[0], short[1]))
+        size = max(map(abs, middle))
+        if size:
+            x, y = (Fraction(part / size).limit_denominator(16) for part in middle)
+            yield _upper((x, y))
 
 
 def build_cones(inclusion: Inclusion) -> list[FanCone]:

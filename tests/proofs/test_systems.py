@@ -88,7 +88,7 @@ def test_smooth_pieces_of_formulas(text: str, positive: str, negative: str | Non
 
 @pytest.mark.parametrize(
     "text",
-    ["", "x +", "z", "x.real", "x[0]", "relu()", "relu(x, y)", "sat(x)", "sign", "sign()",
+    ["", "x +", "z", "x.real", "x[0]", "relu()", "relu(x, y)", "sat(x, 1)", "sign", "sign()",
      "sign(x, y)", "sign(x=1)", "max(x)", "sqrt(x)",
      "sin(x)", "x**y", "x**-1", "x**1.5", "x**17", "2**x", "x if y else 1", "x < y", "x and y", "lambda: x", "'x'",
      "__import__('os')", "(x := 1)", "x; y", "f'{x}'", "[x]", "-" * 70 + "x", "(" * 300, "x" * 2001, True, None, []],
