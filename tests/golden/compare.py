@@ -12,7 +12,7 @@ import ast
 import operator
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
@@ -202,30 +202,19 @@ def _size_of_region(record: Mapping[str, Any]) -> float:
     region = record.get("region")
     if not region or "level" not in region:
         return 0.0
-    states = record.get("states") or ("x", "y", "z")[: 2 if record["domain"]["kind"] == "square" else 3]
+    tree = ast.parse(record["V"], mode="eval").body
+    states = record.get("states") or _states_of(tree, 2 if record["domain"]["kind"] == "square" else 3)
     half = float(region["within"])
     steps = [half * (2 * k / (SAMPLES - 1) - 1) for k in range(SAMPLES)]
-    value = _function(record)
     points = list(product(steps, repeat=len(states)))
-    inside = sum(value(dict(zip(states, point, strict=True))) < region["level"] for point in points)
+    inside = sum(_formula(tree, dict(zip(states, point, strict=True))) < region["level"] for point in points)
     return inside / len(points) * (2 * half) ** len(states)
 
 
-def _function(record: Mapping[str, Any]) -> Callable[[Mapping[str, float]], float]:
-    """V as a function of the states; of pieces on cones, the one whose cone holds the point."""
-    pieces = record.get("pieces") or [{"V": record["V"], "cone": None}]
-    trees = [(ast.parse(piece["V"], mode="eval").body, piece["cone"]) for piece in pieces]
-
-    def value(at: Mapping[str, float]) -> float:
-        holds = (tree for tree, cone in trees if cone is None or _is_between(tuple(at.values()), cone))
-        return _formula(next(holds, trees[0][0]), at)
-
-    return value
-
-
-def _is_between(point: Sequence[float], cone: Mapping[str, Sequence[float]]) -> bool:
-    (ax, ay), (bx, by), (x, y) = cone["from"], cone["to"], point
-    return ax * y - ay * x >= 0 and x * by - y * bx >= 0
+def _states_of(tree: ast.expr, count: int) -> list[str]:
+    """The names in V, which are those of its states, with others where it does not hold so many."""
+    known = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} - _FUNCTIONS.keys()
+    return [*sorted(known), *(f"other{k}" for k in range(count - len(known)))]
 
 
 _FUNCTIONS: dict[str, Callable[..., float]] = {
