@@ -4,8 +4,8 @@
     python -m tests.planted_faults "reports/*"      those in files that match
 
 A fault is a text of a file and what stands there instead: another comparison, sign, constant or branch.  It names the
-rows of the golden matrix and the tests that are there to find it.  Exit status 0 where every fault is found.  Who
-deletes or rewrites a test runs this before and after; it is no part of `make test`.
+rows of the golden matrix and the tests that are there to find it; without a fault all of these must pass.  Exit status
+0 where every fault is found.  Who deletes or rewrites a test runs this before and after; it is no part of `make test`.
 """
 
 from __future__ import annotations
@@ -80,12 +80,12 @@ def planted(fault: Fault, copy: Path) -> Iterator[None]:
         os.utime(file, ns=(times.st_atime_ns, times.st_mtime_ns))
 
 
-def status_of(tests: Sequence[str], copy: Path) -> int:
-    """How tests end in the copy, whose folder is the package."""
+def status_of(tests: Sequence[str], copy: Path, longest: float | None = LONGEST) -> int:
+    """How tests end in the copy, whose folder is the package, within so many seconds."""
     line = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-m", "not thorough", *tests]
     environment = {**os.environ, "PYTHONPATH": str(copy.parent)}
     try:
-        done = subprocess.run(line, cwd=copy, env=environment, capture_output=True, check=False, timeout=LONGEST)
+        done = subprocess.run(line, cwd=copy, env=environment, capture_output=True, check=False, timeout=longest)
     except subprocess.TimeoutExpired:
         return FOUND
     return done.returncode
@@ -99,6 +99,11 @@ def main(patterns: Sequence[str]) -> int:
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder, "nonsmooth")
         shutil.copytree(ROOT, copy, ignore=NOT_COPIED)
+        every = list(dict.fromkeys(test for fault in chosen for test in fault.found_by))
+        status = status_of(every, copy, None)
+        if status:  # a test that fails without a fault finds none, nor does a Python without pytest
+            print(f"required tests that pass without a fault, pytest ended with status {status}")
+            return 1
         for fault in chosen:
             with planted(fault, copy):
                 status = status_of(fault.found_by, copy)
