@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 import nonsmooth as ns
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_text
 from tests.thorough import keep
 
@@ -119,3 +120,10 @@ def test_a_denominator_without_the_state_under_a_root_is_read() -> None:
     """The sizes of roots are no directions in which its sign is looked at."""
     found = system("y; -sqrt(Abs(x))*sign(x) - y*Abs(y)/(Abs(x) + Abs(y))").check()
     assert found.verdict == ATTRACTS
+
+
+def test_beside_roots_and_sines_a_verdict_without_a_certificate_says_so() -> None:
+    result = system(f"y; {QUASI.format(2, 1)} + sin(x)").check()
+    assert result.verdict == ATTRACTS
+    with pytest.raises(NoCertificateError, match="denominators with states beside roots and sines"):
+        result.certificate()
