@@ -156,6 +156,8 @@ def _certificate_about(result: DecidedSystem) -> Record:
             return _checked(result.scene, subject, draft)
     except BeyondReachError as error:
         reasons.append(str(error))
+    if result.scene.by_roots is not None and result.scene.waves and result.scene.denominators:
+        raise NoCertificateError("a certificate does not state denominators with states beside roots and sines of them")
     raise NoCertificateError(f"{UNSHOWN}: {reasons[0]}")
 
 

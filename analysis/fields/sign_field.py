@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations, product
+from math import inf
 from typing import TypeAlias
 
 import numpy as np
@@ -117,8 +118,8 @@ class SignField:
         return ", ".join(f"{s.name} {'>' if side > 0 else '<'} 0" for s, side in zip(self.surfaces, mode, strict=True))
 
     def margin(self, mode: Signs, x: Floats) -> float:
-        """Smallest signed distance from a surface."""
-        return min(sign * height for sign, height in zip(mode, self._heights(x), strict=True))
+        """Smallest signed distance from a surface; infinite without surfaces."""
+        return min((sign * height for sign, height in zip(mode, self._heights(x), strict=True)), default=inf)
 
     def following(self, mode: Signs, x: Floats, width: float) -> Signs:
         """Relays that are beyond their width switch; the farthest one always does.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from math import inf, isfinite, nan, sqrt
 from typing import TypeAlias
@@ -32,6 +32,8 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SeenByRoots, SwitchedSystem, require_single, signs_by_factors
 
+POINT_SLACK = 2.0**-48  # relative to the entries of the checked point
+
 
 def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred: bool = False) -> SignField:
     """One smooth field in floats for every pattern of signs of the switching surfaces.
@@ -57,7 +59,10 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
 
     @cache
     def flow(signs: Signs) -> Velocity:
-        sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
+        known = dict(zip(surfaces, signs, strict=True))
+        if system.vanishing and not centred:
+            return _beside_point(system, known)
+        sign_of = signs_by_factors(known)
         if system.written:
             return _as_stated(system, sign_of, states)
         return _Polynomials(system.velocity(sign_of, states)).velocity
@@ -95,6 +100,27 @@ def _shortened(polynomial: Polynomial, count: int) -> dict[tuple[int, ...], Numb
     return {e[:count]: c * scale for e, c in polynomial.terms.items()}
 
 
+def _beside_point(system: SwitchedSystem, signs: Mapping[Polynomial, int]) -> Velocity:
+    """The stated field with a denominator that is zero at the checked point, for the signs of its surfaces.
+
+    It is found from displacements: there a denominator, multiplied out, would be a small difference of large numbers.
+    A state counts as at the point where floats hardly resolve it beside that.
+    """
+    states, point = system.displaced(system.states), system.check.place
+    velocity = _as_stated(
+        system, signs_by_factors({surface.composed(states): sign for surface, sign in signs.items()}), states
+    )
+    if not any(point) or not isinstance(velocity, ScalarVelocity):
+        return velocity
+    rates, resolved = velocity.rates, POINT_SLACK * max(map(abs, point))
+
+    def displaced(*x: float) -> Numbers:
+        away = [own - at for own, at in zip(x, point, strict=True)]
+        return rates(*([0.0] * len(point) if max(map(abs, away)) <= resolved else away))
+
+    return ScalarVelocity(displaced)
+
+
 def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynomial]) -> Velocity:
     """The stated field from right-hand sides that are scaled, or enclose it."""
     if system.names:
@@ -112,7 +138,8 @@ def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynom
         (factor,) = scale(*x)
         if not factor and not any(rates(*x)):
             raise NoVelocityError("the field has no value at the checked point, where a denominator is zero")
-        return tuple([value / factor if factor else value * inf for value in rates(*x)])
+        # Beyond the borders of its cell a denominator may be negative near the point: steps that try that are too long.
+        return tuple([value / factor if factor > 0 else value * inf for value in rates(*x)])
 
     return ScalarVelocity(divided)
 

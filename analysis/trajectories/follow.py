@@ -405,6 +405,10 @@ class Mode(ABC):
         """Take note of a step, which is followed up to a time; why the path ends with it, if no event does that."""
         return None
 
+    def is_outlived(self, state: Floats) -> bool:
+        """Whether the mode is kept where its law need not hold: that it cannot be followed there says nothing."""
+        return False
+
     def piece(self, stretch: Stretch) -> Piece:
         """What is kept of the path."""
         start = stretch.times[0]
@@ -550,7 +554,7 @@ def _stretch(
             path.note = str(error)
             return stretch, None, EndReason.UNPROVED
         except TrajectoryError as error:
-            if field.keeps_beginnings and stretch.times[-1] > 0:
+            if (field.keeps_beginnings and stretch.times[-1] > 0) or mode.is_outlived(stretch.end):
                 path.note = str(error)
                 return stretch, None, EndReason.UNPROVED
             if not escapes(mode, stretch.times[-1], stretch.end):

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from nonsmooth.analysis.fields import switched_field
-from nonsmooth.analysis.fields.switched_field import SwitchedField, Velocity
+from nonsmooth.analysis.fields.switched_field import NoVelocityError, SwitchedField, Velocity
 from nonsmooth.analysis.trajectories.follow import Guards, HybridField, Mode, Path, Stepper, follow
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.steppers import FixedSteps, Integrator
@@ -27,6 +27,7 @@ TOLERANCES = 1e-9, 1e-12  # relative and absolute, within a mode: far below the 
 MAX_SWITCHES = 1_000_000  # a width of 1e-6 over a path of unit length
 MAX_EVALUATIONS = 100_000  # of the smoothed field: some seconds; a layer thinner than the tolerance is never crossed
 MAX_RELAY_EVALUATIONS = 300_000  # of the fields with hysteresis: some ten seconds
+NO_VELOCITY = "within the width the field has no value, near a point where a denominator is zero"
 LOCATED = 0.5  # of the width: a switch farther off is not resolved by floats, and the zigzag would stand still
 
 
@@ -120,7 +121,12 @@ class _RelayMode(Mode):
     place, cells = "", ()
 
     def __init__(self, relay: _Relay, mode: switched_field.Mode) -> None:
-        self.mode, self.rate, self.guards = mode, relay.counted(relay.field.velocity(mode)), _Margin(relay, mode)
+        self.mode, self.rate, self.guards = mode, relay.counted(relay.defined(mode)), _Margin(relay, mode)
+        self._relay = relay
+
+    def is_outlived(self, state: Floats) -> bool:
+        """Beyond the border, as near a point at which a denominator is zero."""
+        return self._relay.field.margin(self.mode, state) < 0
 
 
 class _Margin(Guards):
@@ -141,6 +147,23 @@ class _Relay(_Widened):
         super().__init__(field, width, most)
         self.locates = locates
         self._mode: switched_field.Mode | None = None
+
+    def defined(self, mode: switched_field.Mode) -> Velocity:
+        """The field of a mode; a denominator that is zero at a point alone may vanish beyond its border, near that."""
+        velocity = self.field.velocity(mode)
+
+        def rate(t: float, x: Floats) -> Floats:
+            """The same.
+
+            Raises:
+                NoVelocityError: where it has no value, though the mode is kept there.
+            """
+            rates = velocity(t, x)
+            if not np.isfinite(rates).all() and self.field.margin(mode, x) >= -self.width:
+                raise NoVelocityError(NO_VELOCITY)
+            return rates
+
+        return rate
 
     def next_mode(self, path: Path) -> Mode | EndReason:
         """The mode that the state is in, or has come to."""
@@ -182,4 +205,12 @@ class _Layer(_Widened, Mode):
         return self
 
     def _mixed(self, t: float, x: Floats) -> Floats:
-        return np.asarray(sum(weight * velocity(t, x) for velocity, weight in self.field.blend(x, self.width)))
+        """The sum; none where a formula of a mode nearby has no value.
+
+        Raises:
+            NoVelocityError: there: the method of the integrator would go on from what is no number.
+        """
+        rates = np.asarray(sum(weight * velocity(t, x) for velocity, weight in self.field.blend(x, self.width)))
+        if not np.isfinite(rates).all():
+            raise NoVelocityError(NO_VELOCITY)
+        return rates

@@ -20,6 +20,7 @@ from flint import Ordering, fmpq_mpoly_ctx
 
 from nonsmooth.proofs.checker.cells import Face, SurfaceSigns
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit, variable
+from nonsmooth.proofs.checker.tower import Number
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.kernel.written import formula_text, part_of, slopes
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
@@ -70,9 +71,11 @@ class Bounds:
     # ---- of a polynomial -----------------------------------------------------------------------
 
     def below(self, rate: Polynomial) -> list[Term] | None:
-        """Terms of a bound of a polynomial by its factors; None where these do not tell."""
+        """Terms of a bound of a polynomial by its factors; None where these do not tell, and of irrational numbers."""
         if not rate:
             return []
+        if any(isinstance(own, Number) for own in rate.terms.values()):
+            return None
         number, factors = factorized(rate)
         total: list[Term] = [(Fraction(1), ())]
         for factor, exponent in factors:

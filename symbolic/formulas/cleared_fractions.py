@@ -40,10 +40,8 @@ from nonsmooth.symbolic.formulas.trees import (
 )
 from nonsmooth.symbolic.messages.scene_error import shown
 
-BESIDE, NEAR = (
-    64,
-    (2.0**-10, 2.0**-20),
-)  # directions and distances at which signs beside the checked point are looked at
+BESIDE = 64  # directions in which signs beside the checked point are looked at, but for the axes
+NEAR = (2.0**-10, 2.0**-20)  # at these distances
 
 
 @dataclass(frozen=True)
@@ -170,8 +168,8 @@ class Clearing:
         return values[0] > 0
 
     def _places_beside(self) -> Iterator[dict[str, float]]:
-        """Places near the checked point in many directions, those of the axes too."""
-        drawn, names = Random(0), sorted(self.point)
+        """Places near the checked point in many directions, those of the axes too, with positive sizes of roots."""
+        drawn, names = Random(0), sorted(self.point.keys() - self.sizes)
         along = [[float(side * (own == name)) for own in names] for name in names for side in (1, -1)]
         between = [[drawn.uniform(-1, 1) for _ in names] for _ in range(BESIDE)]
         for direction, size in product((*along, *between), NEAR):

@@ -16,12 +16,13 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
+import nonsmooth as ns
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.polynomials import variable
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, identity, show
-from nonsmooth.proofs.checker.statements import VERSION
+from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.inequalities.prover import Counterexample
 from nonsmooth.proofs.kernel import simplices
@@ -30,6 +31,7 @@ from nonsmooth.proofs.kernel.search import Search
 from nonsmooth.proofs.kernel.second_function import extreme_velocities, find_second
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
+from nonsmooth.proofs.system_certificates import certificate_text
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests.dissipative_systems import dissipative_systems
 from tests.oracles.floats import Floats, midpoint, value, velocity
@@ -340,3 +342,13 @@ def test_a_guard_that_is_positive_nowhere_has_a_multiplier() -> None:
     assert px > 0 > py * py - 5 * px + px * py == against.value
     with pytest.raises(RejectedError):
         show(half, evidence)
+
+
+def test_rates_with_irrational_numbers_have_no_bounds_by_factors() -> None:
+    """The search for further functions goes on without them; it ended in a TypeError."""
+    first = "-4*x + 2*y + 2*Abs(sqrt(3)*x + y) - Abs(y)"
+    second = "x - 2*y - 2*Abs(sqrt(3)*x + y) + Abs(y)"
+    result = ns.System(["x", "y"], [first, second]).check()
+    certificate = result.certificate()
+    assert {"stability": "asymptotically stable"} in certificate["statement"]["claims"]
+    assert not refusal(certificate, len(certificate_text(certificate)))

@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 import nonsmooth as ns
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_text
 from tests.thorough import keep
 
@@ -86,3 +87,43 @@ def test_a_path_comes_to_the_point_when_other_steps_do(gain: int, slope: int) ->
 def test_a_path_from_the_point_is_refused() -> None:
     with pytest.raises(TrajectoryError, match="a denominator is zero"):
         system("-x/(Abs(x) + Abs(y)); -y/(Abs(x) + Abs(y))").simulate(start=(0, 0), until=1)
+
+
+@pytest.mark.parametrize("method", ["events", "smoothed", "hysteresis"])
+@pytest.mark.parametrize("place", [(0, 0), (1, 2)])
+def test_paths_of_all_methods_come_to_the_point(method: str, place: tuple[int, int]) -> None:
+    """From 0.3 and 0.1 beside it they arrive at 0.35, and none goes on, or is said to escape.
+
+    Away from the origin a denominator that is multiplied out is a small difference of large numbers.
+    """
+    x, y = (f"({name} - {own})" for name, own in zip("xy", place, strict=True))
+    size = f"(Abs{x} + Abs{y})"
+    start = (place[0] + 0.3, place[1] + 0.1)
+    rhs = [f"-{x}/{size}", f"-2*{y}/{size}"]
+    path = ns.System(["x", "y"], rhs, at=place).simulate(start=start, until=0.7, method=method)
+    end = path.facts()["end"]
+    assert end["state"] == pytest.approx(place, abs=1e-9 if method == "events" else 2e-3)
+    assert end["t"] >= 0.35 - 2e-3
+    assert "grows" not in end["reason"]
+    if method == "events":
+        assert end["t"] == pytest.approx(0.35, abs=1e-9)
+        assert "denominator" in end["note"]
+    path.to_terminal()
+
+
+def test_a_field_without_surfaces_is_followed_with_hysteresis() -> None:
+    path = ns.System(["x", "y"], ["-x", "-2*y"]).simulate(start=(0.5, 0.25), until=1, method="hysteresis")
+    assert path.facts()["end"]["state"] == pytest.approx([0.5 * np.exp(-1), 0.25 * np.exp(-2)])
+
+
+def test_a_denominator_without_the_state_under_a_root_is_read() -> None:
+    """The sizes of roots are no directions in which its sign is looked at."""
+    found = system("y; -sqrt(Abs(x))*sign(x) - y*Abs(y)/(Abs(x) + Abs(y))").check()
+    assert found.verdict == ATTRACTS
+
+
+def test_beside_roots_and_sines_a_verdict_without_a_certificate_says_so() -> None:
+    result = system(f"y; {QUASI.format(2, 1)} + sin(x)").check()
+    assert result.verdict == ATTRACTS
+    with pytest.raises(NoCertificateError, match="denominators with states beside roots and sines"):
+        result.certificate()
