@@ -134,12 +134,15 @@ def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynom
         return ScalarVelocity(rates)
     scale = _Polynomials([system.scale.polynomial(system.named(states), sign_of)]).at
 
+    vanishes = bool(system.vanishing)
+
     def divided(*x: float) -> Numbers:
         (factor,) = scale(*x)
         if not factor and not any(rates(*x)):
             raise NoVelocityError("the field has no value at the checked point, where a denominator is zero")
-        # Beyond the borders of its cell a denominator may be negative near the point: steps that try that are too long.
-        return tuple([value / factor if factor > 0 else value * inf for value in rates(*x)])
+        # Beyond its cell one that is zero at the point may be negative: steps that try that are too long.
+        has_value = factor > 0 if vanishes else factor != 0
+        return tuple([value / factor if has_value else value * inf for value in rates(*x)])
 
     return ScalarVelocity(divided)
 
