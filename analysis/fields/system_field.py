@@ -107,9 +107,8 @@ def _beside_point(system: SwitchedSystem, signs: Mapping[Polynomial, int]) -> Ve
     A state counts as at the point where floats hardly resolve it beside that.
     """
     states, point = system.displaced(system.states), system.check.place
-    velocity = _as_stated(
-        system, signs_by_factors({surface.composed(states): sign for surface, sign in signs.items()}), states
-    )
+    sign_of = signs_by_factors({surface.composed(states): sign for surface, sign in signs.items()})
+    velocity = _as_stated(system, sign_of, states)
     if not any(point) or not isinstance(velocity, ScalarVelocity):
         return velocity
     rates, resolved = velocity.rates, POINT_SLACK * max(map(abs, point))

@@ -487,6 +487,9 @@ def _is_shown(stated: StatedCells, mark: str, subject: System, search: Search) -
 
 # ---- denominators: proved positive on the checked cube before anything is decided there ----------
 #
+# The field times them has the same paths there, at other speeds.  For what is said of the whole space they must be
+# positive there.
+#
 # One may be zero at the point alone.  Then ``|f_k| < C d`` is proved too for every right-hand side ``f_k/d``: where it
 # is not bounded beside the point, nothing says how solutions go on from there.
 
@@ -504,27 +507,34 @@ def require_denominators(system: SwitchedSystem) -> None:
             raise SceneError(system.origin, "system.rhs", expected, formula.text)
     stated = system if system.by_roots is None else system.by_roots.unscaled
     if system.vanishing and not all(_is_bounded(member, side) for member in stated.members for side in member.rhs):
+        expected = "right-hand sides that are proved bounded beside the point"
         received = StatedFact(f"{system.vanishing[0].text} in a denominator, which is zero there")
-        raise SceneError(
-            system.origin, "system.rhs", "right-hand sides that are proved bounded beside the point", received
-        )
+        raise SceneError(system.origin, "system.rhs", expected, received)
 
 
 def _is_bounded(system: SwitchedSystem, side: PiecewiseExpression) -> bool:
     """Whether a right-hand side over the common denominator is bounded on the checked cube; floats propose by what."""
-    scale, half = system.scale, system.check.half_width
+    scale = system.scale
     if scale is None:
         return True
-    points = np.array(system.check.place) + half * sample_points(len(system.states), bounded=True)
-    named = [dict(zip(system.states, map(float, own), strict=True)) for own in points]
-    sizes = [(abs(float_value(side.tree, own, side.text)), float_value(scale.tree, own, scale.text)) for own in named]
-    ratios = [top / bottom for top, bottom in sizes if bottom > 0]
-    if not ratios or not np.isfinite(max(ratios)):
+    largest = _largest_ratio(system, side, scale)
+    if not np.isfinite(largest):
         return False
-    most = number(2 * (1 + int(max(ratios))))
-    bounds = (plus(multiplied(most, scale.tree), sign(side.tree)) for sign in (minus, lambda tree: tree))
-    parsed = (parse_piecewise(written(own), system.states) for own in bounds)
-    return all(_is_positive(system, own, system.check.radius) for own in parsed)
+    above = multiplied(number(2 * (1 + int(largest))), scale.tree)
+    bounds = (parse_piecewise(written(plus(above, own)), system.states) for own in (side.tree, minus(side.tree)))
+    return all(_is_positive(system, own, system.check.radius) for own in bounds)
+
+
+def _largest_ratio(system: SwitchedSystem, top: PiecewiseExpression, bottom: PiecewiseExpression) -> float:
+    """The largest size of a quotient at samples of the checked cube; not a number where none has a value."""
+    points = np.array(system.check.place) + system.check.half_width * sample_points(len(system.states), bounded=True)
+    ratios = []
+    for point in points.tolist():
+        named = dict(zip(system.states, point, strict=True))
+        below = float_value(bottom.tree, named, bottom.text)
+        if below > 0:
+            ratios.append(abs(float_value(top.tree, named, top.text)) / below)
+    return max(ratios, default=float("nan"))
 
 
 def are_positive_everywhere(system: SwitchedSystem) -> bool:
@@ -549,7 +559,7 @@ def _is_positive_on_square(system: SwitchedSystem, formula: PiecewiseExpression,
 def _is_positive(system: SwitchedSystem, formula: PiecewiseExpression, radius: Number | None) -> bool:
     """On the cube of a half-width, or in the whole space; but at the checked point where it is zero there."""
     states, count = system.displaced(system.states), len(system.states)
-    vanishes = bool(replace(system, denominators=(formula,)).vanishing)
+    vanishes = system.is_zero_at_point(formula)
     if system.is_planar and radius is not None:
         return _is_positive_on_square(system, formula, except_origin=vanishes)
     asked = SwitchedSystem(system.name, system.field, system.states, (formula,), system.check, system.source)

@@ -149,8 +149,8 @@ def _part(terms: Mapping[Exponents, Any], weights: Weights, wanted: range) -> di
 
 def _terms_below(claims: Sequence[Claim], weights: Weights, weight: int) -> list[CheckedPolynomial]:
     """Those of lower weight in the derivatives on all cells."""
-    values = [own.value for claim in claims for own in claim.inequalities]
-    return [CheckedPolynomial(own.count, _part(own.terms, weights, range(weight))) for own in values]
+    rates = [own.value for claim in claims for own in claim.inequalities]
+    return [CheckedPolynomial(own.count, _part(own.terms, weights, range(weight))) for own in rates]
 
 
 def _samples(weights: Weights) -> Floats:

@@ -176,8 +176,12 @@ class SwitchedSystem(ShortRepr):
     @property
     def vanishing(self) -> tuple[PiecewiseExpression, ...]:
         """The denominators that are zero at the checked point: the stated field has no value there."""
+        return tuple(filter(self.is_zero_at_point, self.denominators))
+
+    def is_zero_at_point(self, formula: PiecewiseExpression) -> bool:
+        """Whether a formula of the states is zero at the checked point."""
         point = [Polynomial.constant(self.field, self.states, own) for own in self.check.equilibrium]
-        return tuple(own for own in self.denominators if not own.polynomial(self.named(point), no_sign))
+        return not formula.polynomial(self.named(point), no_sign)
 
     @property
     def is_planar(self) -> bool:
