@@ -58,7 +58,13 @@ from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, require_stated, with_known_numbers
+from nonsmooth.symbolic.systems.switched_system import (
+    PLANE,
+    Enclosed,
+    SwitchedSystem,
+    require_stated,
+    with_known_numbers,
+)
 
 BITS = 128
 ASIDE = Fraction(1, 256)  # of the half-width: how far beside a point cells are looked into
@@ -341,7 +347,7 @@ def _judged_in_space(scene: SwitchedSystem, function: ExaminedLyapunov) -> Judge
         witness = _stated_failure(scene, function.formula, witness)
         if witness is None:
             verdict = AuditVerdict.UNDECIDED
-            reason = NOT_OF_THE_NUMBERS if scene.encloses_numbers else NOT_OF_THE_FIELD
+            reason = NOT_OF_THE_NUMBERS if Enclosed.NUMBERS in scene.encloses else NOT_OF_THE_FIELD
     return verdict, proves, reason, witness
 
 
@@ -349,7 +355,7 @@ def _stated_failure(system: SwitchedSystem, formula: PiecewiseExpression, found:
     """What refutes V for the stated field, where right-hand sides only enclose it; None where nothing does."""
     if found.meaning != many.RISES:
         return found
-    if system.encloses_numbers:
+    if Enclosed.NUMBERS in system.encloses:
         return None
     place = rising_place(system, formula, found.point)
     rational = () if place is None else tuple(c.as_rational() for c in place)

@@ -57,7 +57,13 @@ from nonsmooth.proofs.theorem_searches import scalar_theorem, show_verdict
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.files.system_builder import stated_lists, with_order
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.systems.switched_system import NoEnclosureError, SwitchedSystem, enclose_numbers
+from nonsmooth.symbolic.systems.switched_system import (
+    MOST_ORDER,
+    Enclosed,
+    NoEnclosureError,
+    SwitchedSystem,
+    enclose_numbers,
+)
 
 LEFT_OUT = "left out"  # key of the notes
 MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each
@@ -630,7 +636,11 @@ def find_system_difference(file: str, system: SwitchedSystem) -> str:
     order = subject.get("order", 0)  # of sines and cosines, which a check chooses where there are no roots
     if system.waves and system.by_roots is None and order != system.order:
         system = with_order(system, order)
-    differences = [_difference(about(own), subject) or _of_others_alone(data, own) for own in subjects_of(system)]
+    # Bounds of norms are stated themselves: nothing says of which order they are.
+    orders = range(MOST_ORDER + 1) if Enclosed.NORMS in system.encloses else (system.order,)
+    systems = (system if order == system.order else with_order(system, order) for order in orders)
+    known = [own for asked in systems for own in subjects_of(asked)]
+    differences = [_difference(about(own), subject) or _of_others_alone(data, own) for own in known]
     return differences[0] if all(differences) else ""
 
 

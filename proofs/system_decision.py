@@ -35,13 +35,12 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, with_known_numbers
+from nonsmooth.symbolic.systems.switched_system import MOST_ORDER, SwitchedSystem, with_known_numbers
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.parts import CascadeBlock, Parts
 
 MOST_PARTS = 32  # that are kept
-MOST_ORDER = 2  # further terms of sines and cosines
 MOST_HALVINGS = 20  # of the cube, until switching surfaces that do not hold the point lie outside
 NARROW = 1  # half-width of a square on which the first terms enclose sines closely
 
@@ -97,7 +96,7 @@ def decide_system(system: SwitchedSystem) -> StabilityResult:
         again = _decided(nearer)
         result = result if again.verdict is Translation.UNDECIDED else again
     for order in range(system.order + 1, MOST_ORDER + 1):
-        if result.verdict is not Translation.UNDECIDED or not system.waves:
+        if result.verdict is not Translation.UNDECIDED or not system.hangs_on_order:
             break
         with suppress(SceneError):
             finer = with_order(system, order)

@@ -32,7 +32,6 @@ from nonsmooth.proofs.systems.findings import (
 )
 from nonsmooth.symbolic.formulas.enclosed_functions import kinds_text
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
-from nonsmooth.symbolic.formulas.trees import tidied, written
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
@@ -157,12 +156,12 @@ def rewriting_words(system: SwitchedSystem, *, in_time_of_states: bool = False) 
         said.append(f"with {' and '.join(roots.meanings)}, in a time that passes {roots.time_scale} times slower")
     if system.scale is not None:
         where = "on the square but at the point" if system.vanishing else "on the square"
-        said.append(f"multiplied by {written(tidied(system.scale.tree))}, which is positive {where}: other speeds")
+        said.append(f"multiplied by {system.stated_text(system.scale)}, which is positive {where}: other speeds")
     enclosed = []
     if system.waves:
         kinds = kinds_text(system.waves)
         enclosed.append(f"{kinds} of states {'lie' if ' and ' in kinds else 'lies'} between polynomials")
-    enclosed += ["irrational numbers lie between rational ones"] if system.encloses_numbers else []
+    enclosed += list(system.encloses)
     if system.intervals:
         takes = (
             "takes any value of its interval" if len(system.intervals) == 1 else "take any values of their intervals"

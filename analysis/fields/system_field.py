@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from math import inf, isfinite, nan, sqrt
 from typing import TypeAlias
@@ -25,13 +26,15 @@ from nonsmooth.analysis.fields.switched_field import (
     Velocity,
     affine_surface,
 )
-from nonsmooth.symbolic.formulas.piecewise import SignOf
+from nonsmooth.symbolic.formulas.enclosed_functions import NORM
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SeenByRoots, SwitchedSystem, require_single, signs_by_factors
 
+AT_POINT = 2.0**-38  # of the checked radius: as near to the point a path is at it
 POINT_SLACK = 2.0**-48  # relative to the entries of the checked point
 
 
@@ -55,7 +58,7 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
     if len(system.written) != 1:
         require_single(system)
     states = system.displaced(system.states) if centred else system.coordinates()
-    surfaces = system.surfaces(states)
+    surfaces = _stated_surfaces(system, states)
 
     @cache
     def flow(signs: Signs) -> Velocity:
@@ -69,6 +72,13 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
 
     size = max(system.check.half_width, *(abs(float(value)) for value in start), 0.0)
     return SignField(system.states, tuple(_surface(surface) for surface in surfaces), flow, size)
+
+
+def _stated_surfaces(system: SwitchedSystem, states: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
+    """The surfaces on which the stated field switches: bounds of norms switch on further ones."""
+    if not system.norms:
+        return system.surfaces(states)
+    return replace(system, rhs=system.named_rhs, others=()).surfaces(states)
 
 
 def _in_stated_states(seen: SeenByRoots, start: Sequence[float]) -> SignField:
@@ -123,7 +133,7 @@ def _beside_point(system: SwitchedSystem, signs: Mapping[Polynomial, int]) -> Ve
 def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynomial]) -> Velocity:
     """The stated field from right-hand sides that are scaled, or enclose it."""
     if system.names:
-        rates = _with_waves(system, sign_of, states)
+        rates = _with_waves(system, system.named_rhs, sign_of, states)
     else:
         members = _Polynomials(system.velocity(sign_of, states))
         if system.scale is None:
@@ -131,13 +141,15 @@ def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynom
         rates = members.at
     if system.scale is None:
         return ScalarVelocity(rates)
-    scale = _Polynomials([system.scale.polynomial(system.named(states), sign_of)]).at
-
+    scale = _with_waves(system, [system.scale], sign_of, states)
     vanishes = bool(system.vanishing)
+
+    # Beside a norm that is zero at the point the field turns ever faster, without a surface for a step to end on.
+    nearest = AT_POINT * system.check.half_width if vanishes and system.norms else -1.0
 
     def divided(*x: float) -> Numbers:
         (factor,) = scale(*x)
-        if not factor and not any(rates(*x)):
+        if (not factor and not any(rates(*x))) or max(map(abs, x)) <= nearest:
             raise NoVelocityError("the field has no value at the checked point, where a denominator is zero")
         # Beyond its cell one that is zero at the point may be negative: steps that try that are too long.
         has_value = factor > 0 if vanishes else factor != 0
@@ -146,8 +158,12 @@ def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynom
     return ScalarVelocity(divided)
 
 
-def _with_waves(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynomial]) -> Callable[..., Numbers]:
-    """The rates of a system as polynomials in its states and in the values of its sines and the like."""
+def _with_waves(
+    system: SwitchedSystem, formulas: Sequence[PiecewiseExpression], sign_of: SignOf, states: Sequence[Polynomial]
+) -> Callable[..., Numbers]:
+    """The values of formulas that are polynomials in the states and in the values of norms, sines and the like."""
+    if not system.names:
+        return _Polynomials([own.polynomial(system.named(states), sign_of) for own in formulas]).at
     variables = (*system.states, *(wave.name for wave in system.names))
     beside = (0,) * len(system.names)
 
@@ -159,14 +175,19 @@ def _with_waves(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polyno
 
     values = dict(zip(system.states, map(extended, states), strict=True))
     values |= {wave.name: Polynomial.variable(system.field, variables, wave.name) for wave in system.names}
-    rates = _Polynomials([side.polynomial(values, sign_of_states) for side in system.named_rhs]).at
+    rates = _Polynomials([own.polynomial(values, sign_of_states) for own in formulas]).at
     inner = _Polynomials([system.argument_of(wave, states, sign_of) for wave in system.names]).at
-    functions = [getattr(math, wave.kind) for wave in system.names]
+    functions = [_root if wave.kind == NORM else getattr(math, wave.kind) for wave in system.names]
 
     def at(*x: float) -> Numbers:
         return rates(*x, *[own(v) if isfinite(v) else nan for own, v in zip(functions, inner(*x), strict=True)])
 
     return at
+
+
+def _root(square: float) -> float:
+    """The root of a sum of squares, which is multiplied out: rounded it may be below zero."""
+    return sqrt(max(square, 0.0))
 
 
 def constant_system(system: SwitchedSystem) -> ConstantField | None:

@@ -504,25 +504,25 @@ def require_denominators(system: SwitchedSystem) -> None:
     for formula in system.denominators:
         if not _is_positive(system, formula, system.check.radius):
             expected = f"a denominator that is proved not to vanish on the checked {where} (a smaller check.radius?)"
-            raise SceneError(system.origin, "system.rhs", expected, formula.text)
+            raise SceneError(system.origin, "system.rhs", expected, system.stated_text(formula))
     stated = system if system.by_roots is None else system.by_roots.unscaled
-    if system.vanishing and not all(_is_bounded(member, side) for member in stated.members for side in member.rhs):
+    if system.vanishing and not all(_is_bounded(stated, side) for member in stated.members for side in member.rhs):
         expected = "right-hand sides that are proved bounded beside the point"
-        received = StatedFact(f"{system.vanishing[0].text} in a denominator, which is zero there")
+        received = StatedFact(f"{system.stated_text(system.vanishing[0])} in a denominator, which is zero there")
         raise SceneError(system.origin, "system.rhs", expected, received)
 
 
 def _is_bounded(system: SwitchedSystem, side: PiecewiseExpression) -> bool:
     """Whether a right-hand side over the common denominator is bounded on the checked cube; floats propose by what."""
-    scale = system.scale
-    if scale is None:
-        return True
-    largest = _largest_ratio(system, side, scale)
-    if not np.isfinite(largest):
-        return False
-    above = multiplied(number(2 * (1 + int(largest))), scale.tree)
-    bounds = (parse_piecewise(written(plus(above, own)), system.states) for own in (side.tree, minus(side.tree)))
-    return all(_is_positive(system, own, system.check.radius) for own in bounds)
+    for scale in () if system.scale is None else system.between_norms(system.scale):
+        largest = _largest_ratio(system, side, scale)
+        if not np.isfinite(largest):
+            return False
+        above = multiplied(number(2 * (1 + int(largest))), scale.tree)
+        bounds = (parse_piecewise(written(plus(above, own)), system.states) for own in (side.tree, minus(side.tree)))
+        if not all(_is_positive(system, own, system.check.radius) for own in bounds):
+            return False
+    return True
 
 
 def _largest_ratio(system: SwitchedSystem, top: PiecewiseExpression, bottom: PiecewiseExpression) -> float:
@@ -558,8 +558,15 @@ def _is_positive_on_square(system: SwitchedSystem, formula: PiecewiseExpression,
 
 def _is_positive(system: SwitchedSystem, formula: PiecewiseExpression, radius: Number | None) -> bool:
     """On the cube of a half-width, or in the whole space; but at the checked point where it is zero there."""
-    states, count = system.displaced(system.states), len(system.states)
     vanishes = system.is_zero_at_point(formula)
+    ends = system.between_norms(formula)
+    return all(_is_positive_formula(system, own, radius, vanishes=vanishes) for own in ends)
+
+
+def _is_positive_formula(
+    system: SwitchedSystem, formula: PiecewiseExpression, radius: Number | None, *, vanishes: bool
+) -> bool:
+    states, count = system.displaced(system.states), len(system.states)
     if system.is_planar and radius is not None:
         return _is_positive_on_square(system, formula, except_origin=vanishes)
     asked = SwitchedSystem(system.name, system.field, system.states, (formula,), system.check, system.source)

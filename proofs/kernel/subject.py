@@ -6,6 +6,7 @@ polynomial; formulas are stated in these names, so that nobody need know what ``
 
 Sines and cosines of states are stated as such, of polynomials that are zero at the point: the checker knows what
 encloses them.  Irrational numbers beside them are put at rational bounds, one right-hand side for each choice of these.
+Where there are norms of states, all right-hand sides that enclose the stated one are stated.
 """
 
 from __future__ import annotations
@@ -146,6 +147,8 @@ def _with_waves(system: SwitchedSystem) -> list[list[str]]:
 
     The number of terms with irrational numbers is limited, and these may not stand beside switching functions.
     """
+    if system.norms:
+        return []
     terms = [list(_terms(side, system)) for side in system.named_rhs]
     bounds = [own for side in terms for own, _ in side]
     written = not any(_stays(own, system) and NUMBERS.search(own.argument) for own in system.names)

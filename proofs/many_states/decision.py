@@ -64,7 +64,7 @@ from nonsmooth.proofs.systems.findings import (
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, with_known_numbers
+from nonsmooth.symbolic.systems.switched_system import Enclosed, SwitchedSystem, with_known_numbers
 
 # ---- what shows itself near the point in many states ---------------------------------------------
 #
@@ -359,7 +359,9 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
     if best_mixture(columns, target, [scene.field.zero] * len(columns)) is None:
         return Equilibrium.FAILS
     at_rest = not any(map(any, velocities))
-    certain = at_rest or (all(surface.degree == 1 for surface in cells.surfaces) and not scene.encloses_numbers)
+    certain = at_rest or (
+        all(surface.degree == 1 for surface in cells.surfaces) and Enclosed.NUMBERS not in scene.encloses
+    )
     return Equilibrium.HOLDS if certain else Equilibrium.UNDECIDED
 
 

@@ -382,6 +382,8 @@ def find_energy_on_circles(system: SwitchedSystem) -> tuple[Record, str, str, bo
 
 def _angles(system: SwitchedSystem) -> tuple[str, ...]:
     """The states of which there are sines and cosines; none unless all of these are 0 at the point."""
+    if system.norms:
+        return ()
     try:
         arguments = [system.argument_of(wave) for wave in system.names]
     except ExpressionError:  # what switches

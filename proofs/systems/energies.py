@@ -220,7 +220,7 @@ def _alone_near(
         return own(at).sign()
 
     scale = None
-    if system.scale is not None:
+    if system.scale is not None and not system.norms:
         scale = _alone(system.scale.polynomial(system.named(states), sign_of), i)
     found = []
     for part in system.members[0].velocity(sign_of, states):

@@ -133,11 +133,13 @@ def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
 
     The equilibrium must hold 0 in its Filippov set.
     """
-    if system.waves and len(system.written) == 1:
-        return _of_enclosed(system)
+    if system.hangs_on_order and len(system.written) == 1:
+        found = _of_enclosed(system)
+        if found is not None or system.waves:
+            return found
     if system.others:
         worst = _worst_turn(system)
-        if worst is None or not worst.sign or (system.waves and worst.sign > 0):
+        if worst is None or not worst.sign or (system.only_encloses and worst.sign > 0):
             return None  # what only encloses the field may turn out where the field does not
         return _by_turn(axes_frame(system), UNWEIGHTED, worst)
     for frame, weights in _coordinates(system):
@@ -149,7 +151,7 @@ def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
 
 
 def _of_enclosed(system: SwitchedSystem) -> LeadingTerms | None:
-    """Of sines and cosines that are enclosed: where all members have the same leading terms, so has the field.
+    """Of sines, cosines and norms that are enclosed: where all members have the same leading terms, so has the field.
 
     The field is affine in every weight between its members, so what they do not share is of higher order throughout.
     """

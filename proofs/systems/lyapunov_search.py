@@ -68,7 +68,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, with_known_numbers
+from nonsmooth.symbolic.systems.switched_system import PLANE, Enclosed, SwitchedSystem, with_known_numbers
 
 ROUNDS = 5  # of proposals for one family on one square
 WORK = 240  # inequalities that one search may look at
@@ -140,7 +140,7 @@ def find_lyapunov(system: SwitchedSystem, *, grows: bool = False, is_linear: boo
     found = _on_cones(system, whole, grows=grows) if is_linear and are_cones(whole) else None
     if found is not None:
         return found
-    curved = has_curves(system) or bool(system.waves)  # polynomials of high degree, as slow to audit as curves
+    curved = has_curves(system) or system.only_encloses  # polynomials of high degree, as slow to audit as curves
     work = WORK // 2 if curved else WORK
     for scale in SCALES[:2] if curved else SCALES:
         budget = WorkMeter(int(work * (FIRST_SHARE if scale == 1 else LATER_SHARE)))
@@ -231,12 +231,13 @@ class _Program:
         except (BeyondReachError, NoCertificateError):
             return []
         found = list(families(known, all_lines=True))
-        if self.system.others and not self.system.waves:  # what encloses one field needs no more than that
+        if self.system.others and not self.system.only_encloses:  # what encloses one field needs no more than that
             found[1:1] = [monomials(known.states, degree) for degree in (4, 6, 8, 10)]
         curves = tuple(bent(own) for own in known.surfaces if own.degree > 1 and _has_tangent(own))
         if curves:  # relays on them need what bends; alone it is zero there
             return [(*curves, *found[:2][-1]), found[0]]
-        return found[:2] if has_curves(self.system) else found
+        is_short = has_curves(self.system) or Enclosed.NORMS in self.system.encloses  # on whose lines no field bends
+        return found[:2] if is_short else found
 
     def further_lines(self) -> Iterator[list[Polynomial]]:
         """Lines through the point on which V may bend: the tangents of surfaces, then with others between them."""

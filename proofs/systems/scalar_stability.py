@@ -145,9 +145,10 @@ class LinePoint(CheckedPoint):
             SceneError: for these, and for formulas that cannot be used.
         """
         for formula in system.denominators:
-            if not all(_is_positive(system, formula, turn) for turn in (1, -1)):
+            ends = system.between_norms(formula)
+            if not all(_is_positive(system, own, turn) for own in ends for turn in (1, -1)):
                 expected = "a denominator that does not vanish on the checked interval (a smaller check.radius?)"
-                raise SceneError(system.origin, "system.rhs", expected, formula.text)
+                raise SceneError(system.origin, "system.rhs", expected, system.stated_text(formula))
         self.system = system
 
     @cached_property
@@ -200,7 +201,7 @@ def _conclude(scene: SwitchedSystem, holds: Equilibrium, right: Side, left: Side
         return Translation.UNSTABLE, "0 is not in F there, so every solution leaves it"
     sides = (("right", right), ("left", left))
     for name, side in sides:
-        if scene.waves and len(set(side.outward)) > 1:
+        if scene.only_encloses and len(set(side.outward)) > 1:
             return Translation.UNDECIDED, f"the enclosed field has no sure sign on the {name}"
     for name, side in sides:
         if max(side.outward) > 0:

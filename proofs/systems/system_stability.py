@@ -92,7 +92,7 @@ class PlanePoint(CheckedPoint):
 
         Of right-hand sides that only enclose the field all must rest: what one of them allows, the field need not.
         """
-        if self.system.waves:
+        if self.system.only_encloses:
             return tuple(resting_edges(self.cells, enclosing=True)) if self.system.has_one_field else ()
         near = conic_germ(self.cells)
         return tuple(rays_of_rest(near) if near is not None and are_cones(near) else resting_edges(self.cells))

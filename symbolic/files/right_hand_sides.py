@@ -1,9 +1,9 @@
 """Right-hand sides of a plain system from what its file states to formulas that are polynomials on each cell.
 
 Parameters take their values, interval parameters all their ends; fractions are cleared by one positive factor
-(:mod:`nonsmooth.symbolic.formulas.cleared_fractions`); sines and cosines of states are enclosed
-(:mod:`nonsmooth.symbolic.formulas.enclosed_functions`).  What comes out is one list of formulas, or several: arbitrary
-switching.
+(:mod:`nonsmooth.symbolic.formulas.cleared_fractions`); norms of states (:mod:`nonsmooth.symbolic.formulas.norms`), and
+sines and cosines of them, are enclosed (:mod:`nonsmooth.symbolic.formulas.enclosed_functions`).  What comes out is one
+list of formulas, or several: arbitrary switching.
 """
 
 from __future__ import annotations
@@ -11,16 +11,17 @@ from __future__ import annotations
 import ast
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
 from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
 from nonsmooth.symbolic.files.system_document import names_in, parameter_texts, with_parameters
-from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
+from nonsmooth.symbolic.formulas.cleared_fractions import Cleared, Clearing
 from nonsmooth.symbolic.formulas.enclosed_functions import Wave, enclosing_formulas, named_formulas
 from nonsmooth.symbolic.formulas.expression import formula_refused
+from nonsmooth.symbolic.formulas.norms import Norm, affine_in_norms, at_ends, named_norms, with_roots_in_text
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.formulas.trees import ExpressionError, float_value, formula_tree, names_of
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
@@ -38,11 +39,14 @@ class RightHandSides:
     Attributes:
         sides: each with its key and its formulas.
         written: the stated lists with their parameters, where something else was done to them; empty otherwise.
-        waves: what is enclosed.
-        denominators: must be positive on the checked square.
-        scale: the positive factor of all fields; empty without fractions.
-        named: one list with names in place of sines and cosines; empty without these, and where several are stated.
+        waves: the sines and the like that are enclosed.
+        denominators: must be positive on the checked square; in the states and in the names of norms.
+        scale: the positive factor of all fields, in the same names; empty without fractions.
+        named: one list with names in place of norms, sines and cosines; empty without these, and where several are
+            stated.
         names: what these names mean.
+        norms: what those of norms mean, also where several lists are stated.
+        encloses_norms: whether there are bounds of norms in the formulas.
     """
 
     sides: tuple[Side, ...]
@@ -52,6 +56,8 @@ class RightHandSides:
     scale: str = ""
     named: tuple[object, ...] = ()
     names: tuple[Wave, ...] = ()
+    norms: tuple[Norm, ...] = ()
+    encloses_norms: bool = False
 
 
 def read_right_hand_sides(
@@ -60,6 +66,8 @@ def read_right_hand_sides(
     intervals: Mapping[str, tuple[Any, Any]],
     clearing: Clearing,
     file: str,
+    *,
+    point: Mapping[str, Fraction | None],
     order: int = 0,
 ) -> RightHandSides:
     """All right-hand sides of a system.
@@ -70,7 +78,8 @@ def read_right_hand_sides(
         intervals: the ends of the others.
         clearing: the states and the checked point.
         file: for messages.
-        order: further terms of sines and cosines.
+        point: the checked point, by the names of the states; None where it is not rational.
+        order: further terms of sines and cosines, and closer bounds of norms.
 
     Raises:
         SceneError: for formulas that cannot be rewritten, and for too many right-hand sides.
@@ -83,27 +92,70 @@ def read_right_hand_sides(
         texts = {**values, **parameter_texts(corner, (), file)}
         here = [(key, tuple(with_parameters(f, texts) for f in formulas)) for key, formulas in stated.items()]
         lists += [own for own in here if own not in lists]  # a list that none of the intervals changes counts once
-    cleared, denominators, scale = _cleared(lists, clearing, file)
-    sides, waves = _enclosed(cleared, clearing.states, file, order)
+    clearing, with_names = _with_norms(lists, clearing, point, intervals, file)
+    cleared, denominators, scale = _cleared(with_names, clearing, file)
+    between = _between_norms(cleared, clearing, file, order)
+    sides, waves = _enclosed(between, clearing.states, file, order)
     if len(sides) > MAX_MEMBERS:
         expected = f"at most {MAX_MEMBERS} right-hand sides, with intervals at their ends and sines enclosed"
         raise SceneError(file, "system.rhs", expected, StatedFact(f"{len(sides)}"))
-    written = tuple(tuple(map(str, formulas)) for _, formulas in lists) if waves or scale else ()
-    named = named_formulas(cleared[0][1], clearing.states) if waves and len(cleared) == 1 else ((), ())
-    return RightHandSides(tuple(sides), written, tuple(waves), denominators, scale, *named)
+    norms = clearing.norms
+    written = tuple(tuple(map(str, formulas)) for _, formulas in lists) if waves or scale or norms else ()
+    named: tuple[object, ...] = ()
+    names: tuple[Wave, ...] = ()
+    if (waves or norms) and len(cleared) == 1:
+        taken = clearing.states | {own.name for own in norms}
+        named, names = named_formulas(cleared[0][1], taken)
+    names = (*norms, *names) if named else ()
+    encloses = len(between) > len(cleared)
+    return RightHandSides(tuple(sides), written, tuple(waves), denominators, scale, named, names, norms, encloses)
+
+
+def _with_norms(
+    lists: Sequence[Side],
+    clearing: Clearing,
+    point: Mapping[str, Fraction | None],
+    intervals: Collection[str],
+    file: str,
+) -> tuple[Clearing, list[Side]]:
+    """All lists with names in place of norms, and what these mean."""
+    try:
+        found, norms = named_norms([side for _, side in lists], point, clearing.states | set(intervals))
+    except ExpressionError as error:
+        raise SceneError(file, "system.rhs", requirement(error), StatedFact(_received(error))) from None
+    sides = [(key, side) for (key, _), side in zip(lists, found, strict=True)]
+    return replace(clearing, norms=norms), sides
+
+
+def _between_norms(lists: Sequence[Side], clearing: Clearing, file: str, order: int) -> list[Side]:
+    """All lists with every norm at either bound."""
+    norms, states = clearing.norms, clearing.states
+    if not norms:
+        return list(lists)
+    return [(key, tuple(own)) for key, side in lists for own in at_ends(side, norms, states, order)]
 
 
 def _cleared(lists: Sequence[Side], clearing: Clearing, file: str) -> tuple[list[Side], tuple[str, ...], str]:
     """All lists without fractions, times one factor."""
     every = [formula for _, formulas in lists for formula in formulas]
     try:
-        cleared = clearing.clear(every)
+        cleared = _affine(clearing.clear(every), clearing)
     except ExpressionError as error:
-        raise SceneError(
-            file, _refused_key(lists, clearing), requirement(error), StatedFact(_received(error))
-        ) from None
+        received = with_roots_in_text(_received(error), clearing.norms)
+        raise SceneError(file, _refused_key(lists, clearing), requirement(error), StatedFact(received)) from None
     rest = iter(cleared.formulas)
     return [(key, tuple(next(rest) for _ in side)) for key, side in lists], cleared.denominators, cleared.scale
+
+
+def _affine(cleared: Cleared, clearing: Clearing) -> Cleared:
+    """Formulas that are affine in every norm.
+
+    Raises:
+        ExpressionError: for a norm elsewhere than in sums, products and whole powers.
+    """
+    formulas = tuple(affine_in_norms(own, clearing.norms) for own in cleared.formulas)
+    *denominators, scale = (str(affine_in_norms(own, clearing.norms)) for own in (*cleared.denominators, cleared.scale))
+    return Cleared(formulas, tuple(denominators), scale)
 
 
 def _refused_key(lists: Sequence[Side], clearing: Clearing) -> str:
@@ -111,7 +163,7 @@ def _refused_key(lists: Sequence[Side], clearing: Clearing) -> str:
     for key, formulas in lists:
         for j, formula in enumerate(formulas, 1):
             try:
-                clearing.clear((formula,))
+                _affine(clearing.clear((formula,)), clearing)
             except ExpressionError:
                 return f"{key}[{j}]"
     return lists[0][0]
@@ -170,6 +222,17 @@ def float_point(states: Sequence[str], values: Sequence[Exact] | None) -> dict[s
             found[name] = float(value) if isinstance(value, Fraction) else float_value(value.tree, {}, value.text)
         except OverflowError:
             raise ExpressionError("required numbers within the range of floats, received another") from None
+    return found
+
+
+def rational_point(states: Sequence[str], values: Sequence[Exact] | None) -> dict[str, Fraction | None]:
+    """The checked point, the origin unless given; None for what is not rational."""
+    found: dict[str, Fraction | None] = dict.fromkeys(states, Fraction(0))
+    for name, value in zip(states, values or (), strict=False):
+        try:
+            found[name] = _rational(value)
+        except ExpressionError:
+            found[name] = None
     return found
 
 

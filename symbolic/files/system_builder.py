@@ -16,7 +16,13 @@ from math import lcm
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.symbolic.files.right_hand_sides import float_point, intervals_in, read_right_hand_sides, split_intervals
+from nonsmooth.symbolic.files.right_hand_sides import (
+    float_point,
+    intervals_in,
+    rational_point,
+    read_right_hand_sides,
+    split_intervals,
+)
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, field_of, validate
 from nonsmooth.symbolic.files.system_document import (
     RESERVED,
@@ -37,7 +43,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
 from nonsmooth.symbolic.numbers.number_text import short_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.switched_system import SeenByRoots, SwitchedSystem, SystemCheck
+from nonsmooth.symbolic.systems.switched_system import Enclosed, SeenByRoots, SwitchedSystem, SystemCheck
 
 # Said of a system with a state V: to rename it would change what the user wrote.
 TWO_MEANINGS = (
@@ -185,8 +191,10 @@ def _plain_system(
     intervals = intervals_in(chain(*stated.values()), intervals)
     point = _float_point(states, check.equilibrium, file)
     clearing = Clearing(frozenset(states), point, frozenset(sizes))
-    sides = read_right_hand_sides(stated, texts, intervals, clearing, file, order)
+    exact = rational_point(states, check.equilibrium)
+    sides = read_right_hand_sides(stated, texts, intervals, clearing, file, point=exact, order=order)
     rhs, *others = (_parsed(side, states, file, key) for key, side in sides.sides)
+    with_norms = (*states, *(own.name for own in sides.norms))
     default = " + ".join(f"{name}**2" for name in states)
     chosen = default if check.lyapunov is None else with_parameters(check.lyapunov, texts)
     quotient = _quotient(chosen, states, file)
@@ -211,10 +219,12 @@ def _plain_system(
         others=tuple(others),
         written=sides.written,
         waves=sides.waves,
-        denominators=_parsed(sides.denominators, states, file, "system.rhs"),
-        scale=_parsed((sides.scale,), states, file, "system.rhs")[0] if sides.scale else None,
+        denominators=_parsed(sides.denominators, with_norms, file, "system.rhs"),
+        scale=_parsed((sides.scale,), with_norms, file, "system.rhs")[0] if sides.scale else None,
         named_rhs=_parsed(sides.named, (*states, *(wave.name for wave in sides.names)), file, "system.rhs"),
         names=sides.names,
+        norms=sides.norms,
+        encloses=(Enclosed.NORMS,) if sides.encloses_norms else (),
         order=order,
         intervals=tuple(intervals),
         overlaps=document.system.overlap,

@@ -22,6 +22,7 @@ from itertools import product
 from random import Random
 
 from nonsmooth.symbolic.formulas.enclosed_functions import has_waves
+from nonsmooth.symbolic.formulas.norms import Norm, with_norms
 from nonsmooth.symbolic.formulas.piecewise import SWITCHES
 from nonsmooth.symbolic.formulas.trees import (
     MAX_TEXT,
@@ -75,11 +76,13 @@ class Clearing:
         states: their names.
         point: the checked point in floats, by name.
         sizes: the states that are sizes of roots, of which positive values count.
+        norms: what further names in formulas mean.
     """
 
     states: frozenset[str]
     point: Mapping[str, float]
     sizes: frozenset[str] = frozenset()
+    norms: tuple[Norm, ...] = ()
 
     def clear(self, formulas: Sequence[object]) -> Cleared:
         """The formulas times one product of denominators; as they were where there are none.
@@ -100,6 +103,11 @@ class Clearing:
         cleared = tuple(written(_times(part.top, every - part.bottom + extra)) for part in found)
         return Cleared(cleared, tuple(every), written(_times(ONE, every + extra)))
 
+    @property
+    def _names(self) -> set[str]:
+        """The names of norms."""
+        return {own.name for own in self.norms}
+
     def _has_fraction(self, formula: object) -> bool:
         try:
             return self._divides(formula_tree(formula))
@@ -116,7 +124,7 @@ class Clearing:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in SIGNS:
             return False
         if isinstance(node, ast.Name):
-            return node.id in self.states
+            return node.id in self.states or node.id in self._names
         return any(map(self._moves, ast.iter_child_nodes(node)))
 
     def _fraction(self, node: ast.expr, text: str) -> Fraction:
@@ -161,11 +169,15 @@ class Clearing:
         Raises:
             ExpressionError: for one that has no sign there.
         """
-        value = float_value(node, self.point, text)
-        values = [value] if value else [float_value(node, own, text) for own in self._places_beside()]
+        value = self._value(node, self.point, text)
+        values = [value] if value else [self._value(node, own, text) for own in self._places_beside()]
         if min(values) <= 0 <= max(values):
             raise ExpressionError(f"required denominators that are not zero at the checked point, received {text}")
         return values[0] > 0
+
+    def _value(self, node: ast.expr, place: Mapping[str, float], text: str) -> float:
+        """The value of a part at a place that names the states, in floats."""
+        return float_value(node, with_norms(self.norms, place), text)
 
     def _places_beside(self) -> Iterator[dict[str, float]]:
         """Places near the checked point in many directions, those of the axes too, with positive sizes of roots."""
@@ -183,15 +195,30 @@ class Clearing:
         return Fraction(joined) if name in SIGNS else Fraction(joined, bottom)
 
     def _is_positive_sum(self, text: str) -> bool:
-        """Whether a denominator is written as a sum of even powers, with a positive number or zero at the point.
+        """Whether a denominator is a sum of squares and norms, and has a positive number in it or is zero at the point.
 
-        It is positive wherever not all of these powers are zero.
+        It is positive wherever not all of these are zero.
         """
+        for own in self.norms:
+            if own.name == text:
+                return self._is_positive_sum(own.argument)
         tree = formula_tree(text)
         terms = _terms(tree)
-        numbers = [term.value for term in terms if isinstance(term, ast.Constant)]
-        is_positive = any(isinstance(own, int | float) and own > 0 for own in numbers)
-        return all(map(_is_square, terms)) and (is_positive or not float_value(tree, self.point, text))
+        is_positive = any(not self._moves(term) and self._is_square(term) for term in terms)
+        return all(map(self._is_square, terms)) and (is_positive or not self._value(tree, self.point, text))
+
+    def _is_square(self, node: ast.expr) -> bool:
+        """Whether a summand is a positive number, an even power, a power of a norm, or a product of such."""
+        match node:
+            case ast.Constant(value=int() | float() as value):
+                return value > 0
+            case ast.Name(id=name):
+                return name in self._names
+            case ast.BinOp(op=ast.Mult() | ast.Div(), left=left, right=right):
+                return self._is_square(left) and self._is_square(right)
+            case ast.BinOp(left=base, op=ast.Pow(), right=ast.Constant(value=int(power))):
+                return power % 2 == 0 or self._is_square(base)
+        return False
 
     def _common(self, nodes: Sequence[ast.expr], text: str) -> tuple[list[ast.expr], Counter[str]]:
         """Numerators over one product of denominators."""
@@ -210,14 +237,3 @@ def _terms(node: ast.expr) -> list[ast.expr]:
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
         return [*_terms(node.left), *_terms(node.right)]
     return [node]
-
-
-def _is_square(node: ast.expr) -> bool:
-    match node:
-        case ast.Constant():
-            return True
-        case ast.BinOp(op=ast.Mult(), left=ast.Constant()):
-            return _is_square(node.right)
-        case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(power))):
-            return power % 2 == 0
-    return False

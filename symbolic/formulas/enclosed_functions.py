@@ -58,16 +58,17 @@ WAVES = tuple(TERMS)
 ONE_AT_ZERO = ("cos", "exp")
 MAX_WAVES = 5  # in one right-hand side: two to this power polynomials
 _NUMBERS = {"pi", "sqrt", *WAVES}
+NORM = "sqrt"  # the kind of a norm (:mod:`nonsmooth.symbolic.formulas.norms`)
 LISTED = "sin, cos, tanh, atan and exp"
 
 
 @dataclass(frozen=True)
 class Wave:
-    """A sine, or another function, that is enclosed.
+    """A sine, or another function, that is enclosed; or a norm, the square root of a sum of squares.
 
     Attributes:
         kind: its name.
-        argument: v, which must vanish at the checked point.
+        argument: v, which must vanish at the checked point; but what a root is of.
         name: what stands for it in a formula; empty where a polynomial does.
     """
 
@@ -170,7 +171,8 @@ def named_formulas(formulas: Sequence[object], taken: frozenset[str]) -> tuple[t
 def kinds_text(waves: Iterable[Wave]) -> str:
     """What functions of states a system has, in words: of sines and cosines, which turn into each other, both."""
     found = {wave.kind for wave in waves}
-    *first, last = (kind for kind in WAVES if kind in found or (kind in TURNING and not found.isdisjoint(TURNING)))
+    named = [kind for kind in WAVES if kind in found or (kind in TURNING and not found.isdisjoint(TURNING))]
+    *first, last = [*named, *(["roots of sums of squares"] if NORM in found else [])]
     return f"{', '.join(first)} and {last}" if first else last
 
 

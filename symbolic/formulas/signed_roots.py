@@ -20,6 +20,7 @@ from typing import Any
 from flint import fmpz
 
 from nonsmooth.symbolic.formulas.expression import parse
+from nonsmooth.symbolic.formulas.norms import EXAMPLE, squares_in
 from nonsmooth.symbolic.formulas.trees import (
     MAX_TEXT,
     ExpressionError,
@@ -197,9 +198,13 @@ def orders_in(formula: object, states: Sequence[str], parameters: Mapping[str, s
             continue
         name = _state_of(node)
         if name not in states:
+            values = {own: formula_tree(value) for own, value in parameters.items()}
+            if exponent.denominator == 2 and squares_in(with_names(_radicand(node), values), states):
+                continue  # a norm (:mod:`nonsmooth.symbolic.formulas.norms`)
             kind = "square roots" if is_call(node, "sqrt") else "roots"
             example = f"sqrt(Abs({states[0]}))" if is_call(node, "sqrt") else f"Abs({states[0]})**({exponent})"
-            raise ExpressionError(f"required {kind} of Abs of a state, such as {example}, received {shown(text)}")
+            expected = f"{kind} of Abs of a state, such as {example}, or of a sum of squares, such as {EXAMPLE}"
+            raise ExpressionError(f"required {expected}, received {shown(text)}")
         order = lcm(found.get(name, 1), exponent.denominator)
         if exponent <= 0 or order > MAX_ORDER:
             expected = f"powers of Abs({name}) above 0, with a common denominator up to {MAX_ORDER}"
@@ -222,11 +227,20 @@ def _fractional_power(node: ast.AST, parameters: Mapping[str, str]) -> Fraction 
     return None if in_pi or exponent.denominator == 1 else exponent
 
 
+def _radicand(node: ast.AST) -> ast.expr:
+    """What a root is of."""
+    match node:
+        case ast.Call(args=[inner]) | ast.BinOp(left=inner):
+            return inner
+    raise TypeError(f"required a root, received {ast.dump(node)}")
+
+
 def _state_of(node: ast.AST) -> str:
     """The state of ``sqrt(Abs(x))`` or ``Abs(x)**(p/q)``; empty for anything else."""
     match node:
-        case ast.Call(args=[inner]) | ast.BinOp(left=inner):
-            match inner:
-                case ast.Call(func=ast.Name(id="Abs"), args=[ast.Name(id=name)], keywords=[]):
-                    return name
+        case (
+            ast.Call(args=[ast.Call(func=ast.Name(id="Abs"), args=[ast.Name(id=name)], keywords=[])])
+            | ast.BinOp(left=ast.Call(func=ast.Name(id="Abs"), args=[ast.Name(id=name)], keywords=[]))
+        ):
+            return name
     return ""

@@ -12,6 +12,7 @@ import ast
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from fractions import Fraction
 from itertools import product
 from math import ceil, floor, frexp, prod
@@ -19,10 +20,11 @@ from typing import Any, ClassVar, Literal
 
 from nonsmooth.symbolic.formulas.enclosed_functions import Wave
 from nonsmooth.symbolic.formulas.expression import formula_refused
+from nonsmooth.symbolic.formulas.norms import Norm, at_ends, restored
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, no_sign, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in
 from nonsmooth.symbolic.formulas.surfaces import switching_factors
-from nonsmooth.symbolic.formulas.trees import multiplied, number, quotient, replaced, with_names, written
+from nonsmooth.symbolic.formulas.trees import multiplied, number, quotient, replaced, tidied, with_names, written
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
@@ -33,7 +35,15 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 PLANE = ("x", "y")  # the displacement of two states
 ONE_SIDE = "one right-hand side (under arbitrary switching only stability is decided)"
+MOST_ORDER = 2  # further terms of sines and cosines, and how often bounds of norms get closer
 MAX_PATTERNS = 4_096  # sign patterns of one switching part of a right-hand side: twelve surfaces that cross
+
+
+class Enclosed(StrEnum):
+    """What has rational bounds, or bounds without roots, in place of itself in right-hand sides."""
+
+    NORMS = "roots of sums of squares lie between formulas without any"
+    NUMBERS = "irrational numbers lie between rational ones"
 
 
 class UnknownSign(Exception):
@@ -103,16 +113,19 @@ class SwitchedSystem(ShortRepr):
         source: where it came from (a file or a built-in name).
         others: further right-hand sides; the field is any of them, or any mixture, at any time (arbitrary switching).
         written: the formulas as they were stated, where the right-hand sides are not these but scaled (fractions) or
-            enclose them (sines and cosines of states); empty otherwise.
-        waves: what is enclosed; the right-hand sides are the values at all ends of its weights.
-        denominators: formulas that must be positive on the checked square, but perhaps at the checked point.
-        scale: the positive factor by which the stated fields were multiplied; None without fractions.
-        named_rhs: the one field that is enclosed, in the states and in names of its sines and cosines; else empty.
+            enclose them (sines, cosines and norms of states); empty otherwise.
+        waves: the sines and the like that are enclosed; the right-hand sides are the values at all ends of its weights.
+        denominators: formulas in the states and in names of norms that must be positive on the checked square, but
+            perhaps at the checked point.
+        scale: the positive factor by which the stated fields were multiplied, likewise; None without fractions.
+        named_rhs: the one field that is enclosed, in the states and in names of its norms, sines and cosines; else
+            empty.
         names: what these names mean.
+        norms: what the names of norms mean.
         by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
         order: how many further terms of sines and cosines are taken
             (:mod:`nonsmooth.symbolic.formulas.enclosed_functions`).
-        encloses_numbers: whether the right-hand sides have rational bounds in place of irrational numbers.
+        encloses: what the right-hand sides have bounds of, beside waves.
         intervals: names of the parameters that were stated as intervals; the right-hand sides are those at their ends.
         overlaps: whether tables of regions may overlap; each right-hand side takes another one of them first.
     """
@@ -133,8 +146,9 @@ class SwitchedSystem(ShortRepr):
     by_roots: SeenByRoots | None = None
     named_rhs: tuple[PiecewiseExpression, ...] = ()
     names: tuple[Wave, ...] = ()
+    norms: tuple[Norm, ...] = ()
     order: int = 0
-    encloses_numbers: bool = False
+    encloses: tuple[Enclosed, ...] = ()
     intervals: tuple[str, ...] = ()
     overlaps: bool = False
 
@@ -153,7 +167,15 @@ class SwitchedSystem(ShortRepr):
     @property
     def only_encloses(self) -> bool:
         """Whether the right-hand sides only enclose the stated field: what one of them allows, that need not."""
-        return bool(self.waves) or self.encloses_numbers
+        return bool(self.waves or self.encloses)
+
+    @property
+    def hangs_on_order(self) -> bool:
+        """Whether further terms, or closer bounds, enclose the stated field more closely.
+
+        Closer bounds of norms switch on more planes, which in space cut too many cells.
+        """
+        return bool(self.waves) or (Enclosed.NORMS in self.encloses and self.is_planar)
 
     @property
     def stated_states(self) -> tuple[str, ...]:
@@ -179,9 +201,20 @@ class SwitchedSystem(ShortRepr):
         return tuple(filter(self.is_zero_at_point, self.denominators))
 
     def is_zero_at_point(self, formula: PiecewiseExpression) -> bool:
-        """Whether a formula of the states is zero at the checked point."""
+        """Whether a formula of the states and of norms is zero at the checked point."""
         point = [Polynomial.constant(self.field, self.states, own) for own in self.check.equilibrium]
-        return not formula.polynomial(self.named(point), no_sign)
+        return not any(own.polynomial(self.named(point), no_sign) for own in self.between_norms(formula))
+
+    def between_norms(self, formula: PiecewiseExpression) -> tuple[PiecewiseExpression, ...]:
+        """Formulas of the states whose hull holds one that is affine in norms, too: itself where it holds none."""
+        if not self.norms:
+            return (formula,)
+        ends = at_ends([formula.text], self.norms, self.states, self.order)
+        return tuple(parse_piecewise(text, self.states) for (text,) in ends)
+
+    def stated_text(self, formula: PiecewiseExpression) -> str:
+        """A formula of the states and of norms as people read it."""
+        return written(tidied(restored(formula.tree, self.norms)))
 
     @property
     def is_planar(self) -> bool:
@@ -460,7 +493,8 @@ def enclose_numbers(system: SwitchedSystem) -> SwitchedSystem:
         raise NoEnclosureError("irrational numbers beside roots of states")
     first, *others = (side for own in sides for side in own)
     stated = tuple(tuple(side.text for side in member.rhs) for member in system.members)
-    return replace(system, rhs=first, others=tuple(others), written=system.written or stated, encloses_numbers=True)
+    encloses = (*system.encloses, Enclosed.NUMBERS)
+    return replace(system, rhs=first, others=tuple(others), written=system.written or stated, encloses=encloses)
 
 
 def _between(system: SwitchedSystem) -> list[tuple[PiecewiseExpression, ...]]:

@@ -38,6 +38,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import (
     PLANE,
+    Enclosed,
     NoEnclosureError,
     SwitchedSystem,
     UnknownSign,
@@ -318,7 +319,7 @@ def fields(system: SwitchedSystem, place: Sequence[sympy.Rational]) -> list[list
 def test_the_stated_field_is_a_mixture(rhs: list[Any]) -> None:
     stated = built(rhs)
     enclosing = enclose_numbers(stated)
-    assert enclosing.encloses_numbers
+    assert enclosing.encloses == (Enclosed.NUMBERS,)
     assert enclosing.only_encloses
     assert len(enclosing.members) > len(stated.members)
     assert enclose_numbers(enclosing) is enclosing

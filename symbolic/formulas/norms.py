@@ -1,0 +1,374 @@
+"""Norms of states, ``sqrt(x**2 + y**2)``: names in formulas that are affine in them, then between formulas without any.
+
+The sum of squares under the root is ``q = sum_i c_i b_i^2`` with positive numbers c_i and polynomials b_i, or what
+switches between some.  Where it is positive at the checked point, with the value r^2, and ``u = q/r^2 - 1``,
+
+    r (1 + u/2 - u^2/2)  <=  sqrt(q)  <=  r (1 + u/2),
+
+for ``(1 + u/2 - u^2/2)^2 - (1 + u) = u^2 (u + 1) (u - 3)/4`` is not positive where ``-1 <= u <= 3``, and beyond the
+left side is negative; and ``r <= sqrt(q)`` where u is a sum of squares.  Where q is zero at the point, the bounds are
+polyhedral norms.  For sizes ``a, b >= 0`` and unit vectors ``u_j = (cos t_j, sin t_j)`` that are rational,
+
+    max_j u_j . (a, b)  <=  sqrt(a^2 + b^2)  <=  max_j u_j . (a, b) / c,
+
+where c is the least value of the left side on the quarter circle: it is on an axis, or where two neighbours are equal.
+A longer sum is taken pair by pair, as both sides grow with a and b.  With two vectors, (12, 5)/13 and (5, 12)/13, the
+bounds differ by a twelfth of the norm; the *order* says how often their number is doubled.  Longer sums begin with one,
+(7, 7)/10, whose bounds switch where a size is zero alone.  At the point both bounds are what the norm is.
+
+A formula is rewritten by ``s^2 = q`` until it is affine in every norm s, so its value lies in the hull of those with
+every norm at either bound, with the same bound wherever this norm stands, in all right-hand sides.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise, product
+from math import isqrt, pi, sqrt, tan
+
+from nonsmooth.symbolic.formulas.enclosed_functions import NORM, Wave
+from nonsmooth.symbolic.formulas.expression import parse
+from nonsmooth.symbolic.formulas.trees import (
+    ONE,
+    ZERO,
+    ExpressionError,
+    Interpretation,
+    called,
+    float_value,
+    formula_tree,
+    is_call,
+    minus,
+    multiplied,
+    names_of,
+    number,
+    plus,
+    power,
+    quotient,
+    replaced,
+    tidied,
+    total,
+    with_names,
+    written,
+)
+from nonsmooth.symbolic.messages.scene_error import shown
+
+EXAMPLE = "sqrt(x**2 + y**2)"
+NAMED = "norm_{}"
+MAX_NORMS = 3  # different ones: two to this power right-hand sides
+PAIR = 2
+ALIKE = Fraction(7, 10)  # both entries of a vector that is a little shorter than one
+SIMPLE = 10  # denominators of tangents
+FINE = 1 << 10  # of bounds of roots, which are rational where the roots are
+RATIONAL = Interpretation(
+    Fraction, None, {"Abs": abs, "Max": max, "Min": min, "sgn": lambda value: (value > 0) - (value < 0)}
+)
+
+Square = tuple[Fraction, ast.expr]  # c and b of ``c b^2``
+
+
+@dataclass(frozen=True)
+class Norm(Wave):
+    """The root of a sum of squares.
+
+    Attributes:
+        square: the value of this sum at the checked point.
+    """
+
+    square: Fraction = Fraction(0)
+
+
+# ---- read ----------------------------------------------------------------------------------------
+
+
+def squares_in(tree: ast.expr, states: Collection[str]) -> list[Square] | None:
+    """The squares of which a formula is written as the sum; None where it is no such sum, or holds no state.
+
+    Even powers are squares, and numbers that are not negative are multiples of ``1^2``.
+    """
+    found = list(_squares(tree, states))
+    is_sum = all(own is not None and own[0] >= 0 for own in found)
+    if not is_sum or names_of(tree).isdisjoint(states):
+        return None
+    return [own for own in found if own is not None and own[0]]
+
+
+def _squares(node: ast.expr, states: Collection[str]) -> Iterator[Square | None]:
+    """The summands as squares, None for any other."""
+    match node:
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            yield from _squares(left, states)
+            yield from _squares(right, states)
+        case ast.UnaryOp(op=ast.UAdd(), operand=inner):
+            yield from _squares(inner, states)
+        case _:
+            yield _square(node, states)
+
+
+def _square(node: ast.expr, states: Collection[str]) -> Square | None:
+    if names_of(node).isdisjoint(states):
+        value = _rational(node)
+        return None if value is None else (value, ONE)
+    match node:
+        case ast.BinOp(left=base, op=ast.Pow(), right=ast.Constant(value=int(exponent))) if exponent % 2 == 0:
+            return Fraction(1), power(base, exponent // 2)
+        case ast.BinOp(left=left, op=ast.Mult(), right=right):
+            if ast.dump(left) == ast.dump(right):
+                return Fraction(1), left
+            factor, inner = (left, right) if names_of(left).isdisjoint(states) else (right, left)
+            return _scaled(_square(inner, states), _rational(factor))
+        case ast.BinOp(left=left, op=ast.Div(), right=right):
+            value = _rational(right)
+            return _scaled(_square(left, states), 1 / value if value else None)
+    return None
+
+
+def _scaled(own: Square | None, factor: Fraction | None) -> Square | None:
+    return None if own is None or factor is None else (own[0] * factor, own[1])
+
+
+def _rational(node: ast.expr) -> Fraction | None:
+    """The value of a part without states, where it is rational as it is written; None for any other."""
+    try:
+        value, in_pi = parse(written(node)).parts_in_pi()
+    except ExpressionError:
+        return None
+    return None if in_pi else value
+
+
+def _norm_of(node: ast.AST, states: Collection[str]) -> tuple[ast.expr, int] | None:
+    """The sum of squares q of a part ``q**(k/2)``, and k; None for any other."""
+    match node:
+        case ast.Call(args=[inner]) if is_call(node, "sqrt"):
+            return (inner, 1) if squares_in(inner, states) else None
+        case ast.BinOp(left=inner, op=ast.Pow(), right=right):
+            twice = 2 * (_rational(right) or 0)
+            if twice.denominator == 1 and twice % 2 and squares_in(inner, states):
+                return inner, int(twice)
+    return None
+
+
+def named_norms(
+    lists: Sequence[Sequence[object]], point: Mapping[str, Fraction | None], taken: Collection[str]
+) -> tuple[list[tuple[object, ...]], tuple[Norm, ...]]:
+    """Formulas with a name in place of every norm, equal ones with one name, and what these names mean.
+
+    Args:
+        lists: of formulas of the states.
+        point: the checked point, by the names of the states; None where it is not rational.
+        taken: names that mean something else.
+
+    Raises:
+        ExpressionError: for too many different ones, and for one whose square is not rational at the point.
+    """
+    states, norms = point.keys(), dict[str, Norm]()
+
+    def change(node: ast.expr) -> ast.expr | None:
+        found = _norm_of(node, states)
+        if found is None:
+            return None
+        argument, exponent = written(found[0]), found[1]
+        if argument not in norms:
+            name = NAMED.format(len(norms) + 1)
+            while name in taken:
+                name += "_"
+            norms[argument] = Norm(NORM, argument, name, _value_at(found[0], point))
+        size = power(ast.Name(norms[argument].name), abs(exponent))
+        return size if exponent > 0 else quotient(ONE, size)
+
+    def named(formula: object) -> object:
+        try:
+            tree = formula_tree(formula)
+        except ExpressionError:
+            return formula  # refused where formulas are read
+        return written(replaced(tree, change)) if any(_norm_of(node, states) for node in ast.walk(tree)) else formula
+
+    found = [tuple(map(named, formulas)) for formulas in lists]
+    if len(norms) > MAX_NORMS:
+        raise ExpressionError(f"required at most {MAX_NORMS} different roots of sums of squares, received {len(norms)}")
+    return found, tuple(norms.values())
+
+
+def _value_at(square: ast.expr, point: Mapping[str, Fraction | None]) -> Fraction:
+    try:
+        return Fraction(RATIONAL.value(square, point))
+    except (TypeError, KeyError):
+        expected = "sums of squares under roots that are rational at the checked point"
+        raise ExpressionError(f"required {expected}, received {shown(written(square))}") from None
+
+
+def with_norms(norms: Sequence[Wave], place: Mapping[str, float]) -> dict[str, float]:
+    """A place in floats, by name, with the values of norms beside those of the states."""
+    values = {own.name: float_value(formula_tree(own.argument), place, own.argument) for own in norms}
+    return {**place, **{name: sqrt(max(value, 0.0)) for name, value in values.items()}}
+
+
+def restored(tree: ast.expr, norms: Sequence[Wave]) -> ast.expr:
+    """A formula with roots in place of the names of norms."""
+    return with_names(tree, {own.name: called(NORM, formula_tree(own.argument)) for own in norms})
+
+
+def with_roots_in_text(text: str, norms: Sequence[Wave]) -> str:
+    """A text about formulas with roots in place of the names of norms."""
+    for own in norms:
+        text = re.sub(rf"\b{own.name}\b", f"{NORM}({own.argument})", text)
+    return text
+
+
+# ---- affine in every norm ------------------------------------------------------------------------
+
+
+def affine_in_norms(formula: object, norms: Sequence[Wave]) -> object:
+    """A formula of states and names of norms that is affine in each of these; as it is where it holds none.
+
+    Raises:
+        ExpressionError: for a norm that does not stand in sums, products and whole powers alone.
+    """
+    try:
+        tree = formula_tree(formula)
+    except ExpressionError:
+        return formula  # refused where formulas are read
+    if names_of(tree).isdisjoint(own.name for own in norms):
+        return formula
+    for own in norms:
+        without, factor = _affine(tree, own.name, formula_tree(own.argument), str(formula))
+        tree = total([without, multiplied(ast.Name(own.name), factor)])
+    return written(tidied(tree))
+
+
+def _affine(node: ast.expr, name: str, square: ast.expr, text: str) -> tuple[ast.expr, ast.expr]:
+    """A and B of a part that is ``A + s B``, where ``s^2`` is known."""
+    if name not in names_of(node):
+        return node, ZERO
+    match node:
+        case ast.Name():
+            return ZERO, ONE
+        case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
+            parts = _affine(node.operand, name, square, text)
+            first, second = map(minus, parts) if isinstance(node.op, ast.USub) else parts
+            return first, second
+        case ast.BinOp(op=ast.Add() | ast.Sub()):
+            join: Callable[..., ast.expr] = plus if isinstance(node.op, ast.Add) else _less
+            left, right = (_affine(side, name, square, text) for side in (node.left, node.right))
+            return join(left[0], right[0]), join(left[1], right[1])
+        case ast.BinOp(op=ast.Mult()):
+            (a, b), (c, d) = (_affine(side, name, square, text) for side in (node.left, node.right))
+            without = total([multiplied(a, c), multiplied(square, b, d)])
+            return without, total([multiplied(a, d), multiplied(b, c)])
+        case ast.BinOp(op=ast.Div()) if name not in names_of(node.right):
+            without, factor = _affine(node.left, name, square, text)
+            return quotient(without, node.right), quotient(factor, node.right)
+        case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(exponent))) if exponent > 1:
+            product_ = multiplied(*[node.left] * exponent)
+            return _affine(product_, name, square, text)
+    raise ExpressionError(
+        f"required roots such as {EXAMPLE} in sums, products and quotients only, received {shown(text)}"
+    )
+
+
+def _less(left: ast.expr, right: ast.expr) -> ast.expr:
+    return plus(left, minus(right))
+
+
+# ---- between polyhedral norms --------------------------------------------------------------------
+
+
+def at_ends(
+    formulas: Sequence[object], norms: Sequence[Norm], states: Collection[str], order: int
+) -> list[list[object]]:
+    """Lists of formulas whose hull holds some that are affine in norms: with each of these at its bounds, all alike."""
+    named = {own.name for own in norms}
+    trees = [None if not isinstance(own, str) else formula_tree(own) for own in formulas]
+    held = [own for own in norms if any(tree is not None and own.name in names_of(tree) for tree in trees)]
+    bounds = [bounds_of_norm(own, states, order) for own in held]
+    found = []
+    for chosen in product(*bounds):
+        meanings = dict(zip((own.name for own in held), chosen, strict=True))
+        found.append(
+            [
+                formula
+                if tree is None or named.isdisjoint(names_of(tree))
+                else written(tidied(with_names(tree, meanings)))
+                for formula, tree in zip(formulas, trees, strict=True)
+            ]
+        )
+    return found
+
+
+def bounds_of_norm(norm: Norm, states: Collection[str], order: int = 0) -> tuple[ast.expr, ...]:
+    """A formula below a norm and one above it, equal where they are one: of a single square whose root is rational."""
+    squares = squares_in(formula_tree(norm.argument), states) or []
+    if norm.square:
+        return _beside_root(norm, squares, order)
+    lower = _largest(squares, order, is_above=False)
+    upper = _largest(squares, order, is_above=True)
+    return (lower, upper) if written(lower) != written(upper) else (lower,)
+
+
+def _beside_root(norm: Norm, squares: Sequence[Square], order: int) -> tuple[ast.expr, ...]:
+    """The bounds where a norm is positive at the point, which the one below is at least at order 0 if it may be."""
+    root, others = called(NORM, number(norm.square)), [own for own in squares if own[1] is not ONE]
+    is_least = sum(c for c, base in squares if base is ONE) == norm.square
+    if is_least:
+        part = total(multiplied(number(c / norm.square), power(base, 2)) for c, base in others)
+    else:
+        part = plus(quotient(formula_tree(norm.argument), number(norm.square)), number(-1))
+    upper = plus(ONE, quotient(part, number(2)))
+    lower = ONE if is_least and not order else plus(upper, minus(quotient(power(part, 2), number(2))))
+    return multiplied(root, lower), multiplied(root, upper)
+
+
+def _largest(squares: Sequence[Square], order: int, *, is_above: bool) -> ast.expr:
+    """The polyhedral norm below or above a norm."""
+    vectors, least = directions(order if len(squares) <= PAIR else order - 1)
+    total_, *others = (multiplied(number(_root(c, is_above=is_above)), _size(base)) for c, base in squares)
+    for size in others:
+        parts = [_weighted(vector, (total_, size), least if is_above else Fraction(1)) for vector in vectors]
+        total_ = called("Max", *parts) if len(parts) > 1 else parts[0]
+    return total_
+
+
+def _size(base: ast.expr) -> ast.expr:
+    return base if base is ONE else called("Abs", base)
+
+
+def _weighted(vector: tuple[Fraction, Fraction], sizes: tuple[ast.expr, ast.expr], least: Fraction) -> ast.expr:
+    return total(multiplied(number(weight / least), size) for weight, size in zip(vector, sizes, strict=True))
+
+
+def _root(value: Fraction, *, is_above: bool) -> Fraction:
+    """A rational number at most, or at least, the square root of another one; the root where it is rational."""
+    top, bottom = isqrt(value.numerator), isqrt(value.denominator)
+    if Fraction(top, bottom) ** 2 == value:
+        return Fraction(top, bottom)
+    below = Fraction(isqrt(value.numerator * FINE**2 // value.denominator), FINE)
+    return below + Fraction(1, FINE) if is_above else below
+
+
+@cache
+def directions(order: int) -> tuple[tuple[tuple[Fraction, Fraction], ...], Fraction]:
+    """Rational vectors u of the first quadrant, and a bound of the least ``max u . e`` of its unit vectors e.
+
+    At order -1 there is one, which is shorter than a unit vector.
+    """
+    if order < 0:
+        return ((ALIKE, ALIKE),), ALIKE
+    count = 2 ** (order + 1)
+    first = [_unit_vector((2 * j + 1) * pi / (4 * count)) for j in range(count // 2)]
+    vectors = (*first, *((y, x) for x, y in reversed(first)))
+    least = vectors[0][0]  # on an axis
+    for (a, b), (c, d) in pairwise(vectors):
+        x, y = b - d, c - a  # where both are equal, of any length
+        squared = (a * x + b * y) ** 2 / (x * x + y * y)
+        least = min(least, _root(squared, is_above=False))
+    return vectors, least
+
+
+def _unit_vector(angle: float) -> tuple[Fraction, Fraction]:
+    """A rational unit vector near an angle, by the tangent of half of it."""
+    t = Fraction(tan(angle / 2)).limit_denominator(SIMPLE)
+    return (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)

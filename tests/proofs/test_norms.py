@@ -1,0 +1,227 @@
+"""Roots of sums of squares: their bounds, formulas that are affine in them, verdicts, and paths in floats."""
+
+from __future__ import annotations
+
+import ast
+from fractions import Fraction
+from random import Random
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import nonsmooth as ns
+from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.system_certificates import certificate_text
+from nonsmooth.symbolic.formulas.norms import RATIONAL, affine_in_norms, bounds_of_norm, named_norms
+from nonsmooth.symbolic.formulas.trees import float_value, formula_tree, written
+from tests.thorough import keep
+
+ATTRACTS, LEAVES = "asymptotically stable", "unstable"
+N, OBLIQUE = "sqrt(x**2 + y**2)", "sqrt((x + y)**2 + 4*(x - 2*y)**2)"
+
+DECIDED = {
+    f"y - x/{N}; -x - y/{N}": ATTRACTS,
+    f"x + 2*y - 2*x/{N}; -x/2 + y - 2*y/{N}": ATTRACTS,  # unit control of an unstable plant (Gutman 1979)
+    f"(-x + 20*y)/{N}; (-y - 20*x)/{N}": ATTRACTS,
+    "-10*x/sqrt((10*x)**2 + y**2); -y/sqrt((10*x)**2 + y**2)": ATTRACTS,  # a normalized gradient (Cortes 2006)
+    f"y - x*{N}; -x - y*{N}": ATTRACTS,
+    f"y + x*{N}; -x + y*{N}": LEAVES,
+    f"(x - y)/{OBLIQUE}; (x + y)/{OBLIQUE}": LEAVES,
+    f"-2*x/({N} + 1/10) + x; -2*y/({N} + 1/10) + y": ATTRACTS,  # within a boundary layer
+    "y; -x/sqrt(1 + x**2) - y": ATTRACTS,
+    "y; 1 - sqrt((x + 1)**2 + y**2) - y": ATTRACTS,
+    "x/4 + y - 2*x/S; z - 2*y/S; x - 2*z/S".replace("S", "sqrt(x**2 + y**2 + z**2)"): ATTRACTS,
+    "-x/sqrt(x**2 + 1)": ATTRACTS,
+    f"sqrt(2)*y*{N} - x; -sqrt(3)*y": ATTRACTS,
+    f"y - x*sqrt(Abs(y))/{N}; -x - y/{N}": ATTRACTS,
+}
+
+
+def system(text: str, **options: object) -> ns.System:
+    rhs = [side.strip() for side in text.split(";")]
+    return ns.System(list("xyz"[: len(rhs)]), rhs, **options)  # type: ignore[arg-type]
+
+
+def rational(drawn: Random) -> Fraction:
+    return Fraction(drawn.randint(-999, 999), drawn.choice((1, 7, 1000)))
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.parametrize(
+    "square",
+    [
+        "x**2 + y**2",
+        "4*x**2 + 2*y**2/9",
+        "x**2 + (x - 3*y)**2 + 5*z**2",
+        "(x*y)**2 + Abs(z)**4 + 2*(x*x) + y**2",
+        "x**2 + y**2 + 9/4",
+        "(x + 1)**2 + (y - 3/4)**2",
+        "(3*x + 3)**2 + 16 + z**2",
+    ],
+)
+def test_a_norm_is_between_its_bounds(square: str, order: int) -> None:
+    """In exact numbers, by the definition of a root; at the point both are what the norm is."""
+    origin = dict.fromkeys("xyz", Fraction(0))
+    _, (norm,) = named_norms([[f"sqrt({square})"]], origin, set("xyz"))
+    lower, upper = (RATIONAL.value(_without_root(own), origin) for own in bounds_of_norm(norm, set("xyz"), order))
+    assert lower**2 == upper**2 == norm.square
+    drawn, widths = Random(order), list[float]()
+    below, above = map(_without_root, bounds_of_norm(norm, set("xyz"), order))
+    for _ in range(300):
+        place = {name: rational(drawn) for name in "xyz"}
+        exact = RATIONAL.value(formula_tree(square), place)
+        lower, upper = (RATIONAL.value(own, place) for own in (below, above))
+        assert lower <= 0 or lower**2 <= exact
+        assert upper >= 0
+        assert upper**2 >= exact
+        widths.append(float(upper - lower) / float(exact) ** 0.5 if exact else 0.0)
+    if not norm.square:
+        assert max(widths) < {0: 1.25, 1: 0.4, 2: 0.1}[order]
+
+
+def _without_root(tree: ast.expr) -> ast.expr:
+    """With the root of a square of the tests, whose roots are rational, as a number."""
+    text = written(tree)
+    for square, root in (("9/4", "3/2"), ("25/16", "5/4"), ("25", "5")):
+        text = text.replace(f"sqrt({square})", f"({root})")
+    assert "sqrt" not in text
+    return formula_tree(text)
+
+
+def test_formulas_become_affine_and_keep_their_values() -> None:
+    drawn = Random(1)
+    point = dict.fromkeys("xy", Fraction(0))
+
+    def formula(depth: int) -> str:
+        if not depth:
+            return drawn.choice(["x", "y", "2", "sqrt(x**2 + y**2)", "sqrt(1 + (x - y)**2)", "(x**2 + y**2)**(3/2)"])
+        first, second = formula(depth - 1), formula(drawn.randrange(depth))
+        kinds = [
+            f"({first} + {second})",
+            f"({first} - {second})",
+            f"{first}*{second}",
+            f"-({first})/3",
+            f"({first})**2",
+        ]
+        return drawn.choice(kinds)
+
+    for _ in range(200):
+        text = formula(3)
+        ((named,),), norms = named_norms([[text]], point, set("xy"))
+        affine = str(affine_in_norms(named, norms))
+        place = {name: drawn.uniform(-1, 1) for name in "xy"}
+        size = {own.name: float_value(formula_tree(f"sqrt({own.argument})"), place, "") for own in norms}
+        ends = [float_value(formula_tree(affine), place | dict.fromkeys(size, own), "") for own in (0.0, 1.0, 2.0)]
+        value = float_value(formula_tree(affine), place | size, affine)
+        assert value == pytest.approx(float_value(formula_tree(text), place, text), rel=1e-9, abs=1e-9)
+        if len(norms) == 1:
+            assert ends[1] - ends[0] == pytest.approx(ends[2] - ends[1], rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("text", keep(6, DECIDED))
+def test_it_is_decided_with_a_certificate(text: str) -> None:
+    result = system(text).check()
+    assert result.verdict == DECIDED[text]
+    certificate = result.certificate()
+    assert {"stability": result.verdict} in certificate["statement"]["claims"]
+    assert not refusal(certificate, len(certificate_text(certificate)))
+
+
+def test_a_norm_that_cancels_leaves_an_exact_field() -> None:
+    result = system(f"-x/{N}; -y/{N}").check()
+    assert {"attracts": "everywhere"} in result.certificate()["statement"]["claims"]
+    assert len(result.certificate()["statement"]["subject"]["rhs"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("y - x/sqrt(x**2 + y); -x", "or of a sum of squares"),
+        (f"y - sign(1 - {N})*x; -y", r"system.rhs\[1\]: required roots such as .* received 'y - sign\(1 - sqrt"),
+        ("-x/sqrt(x**2); -y", "not zero at the checked point"),  # zero on an axis
+        (f"-x/{N}**3; -y/{N}**3", "proved bounded beside the point"),
+        ("sqrt(x**2 + 1)*sqrt(x**2 + 2)*sqrt(x**2 + 3)*sqrt(y**2 + 4); -y", "at most 3 different roots"),
+        ("-x/sqrt(x**2 + y**2); -y/sqrt(x**2 + y**2); -z", "not zero at the checked point"),
+    ],
+)
+def test_other_roots_and_other_places_are_refused(text: str, said: str) -> None:
+    with pytest.raises(ns.SceneError, match=said):
+        system(text).check()
+
+
+@pytest.mark.parametrize("place", [(0, 0), (1, -2)])
+def test_a_path_comes_to_the_point_when_its_distance_says(place: tuple[int, int]) -> None:
+    """``abs(x)' = -1`` whatever the field turns by."""
+    x, y = (f"({name} - {own})" for name, own in zip("xy", place, strict=True))
+    size = f"sqrt({x}**2 + {y}**2)"
+    rhs = [f"3*{y} - {x}/{size}", f"-3*{x} - {y}/{size}"]
+    start = (place[0] + 0.3, place[1] + 0.4)
+    end = ns.System(["x", "y"], rhs, at=place).simulate(start=start, until=2).facts()["end"]
+    assert end["state"] == pytest.approx(place, abs=1e-9)
+    assert end["t"] == pytest.approx(0.5, abs=1e-8)
+    assert "denominator" in end["note"]
+
+
+def test_paths_are_those_of_the_stated_field() -> None:
+    text = f"y - x*{N} + sin(x)*{N}; -x/(1 + {N}) - y"
+    end = system(text).simulate(start=(0.8, -0.5), until=3).facts()["end"]
+
+    def field(t: float, state: np.ndarray) -> list[float]:
+        x, y = state
+        size = np.hypot(x, y)
+        return [y - x * size + np.sin(x) * size, -x / (1 + size) - y]
+
+    other = solve_ivp(field, (0, 3), (0.8, -0.5), rtol=1e-11, atol=1e-12).y[:, -1]
+    assert end["state"] == pytest.approx(other, abs=1e-8)
+
+
+def test_where_a_solution_rests_is_asked_of_the_field_and_not_of_its_bounds() -> None:
+    """Away from the point the bounds differ: between these a field is zero that is none of the system."""
+    record = system("sqrt((x + 3/5)**2 + (y + 4/5)**2) - 1 - 1/1000; -y").check().facts()
+    assert record["equilibrium"]["verdict"] == "fails"
+    rests = system("sqrt((x + 3/5)**2 + (y + 4/5)**2) - 1; -y").check().facts()
+    assert rests["equilibrium"]["verdict"] == "holds"
+
+
+def test_certificates_name_the_scene_that_they_are_about(tmp_path: object) -> None:
+    text = f"y - x/{N}; -x - y/{N}"
+    certificate = system(text).check().certificate()
+    assert certificate["notes"]["stated"] == [[own.strip() for own in text.split(";")]]
+    assert "roots of sums of squares" in certificate["notes"]["right-hand sides"]
+
+
+@pytest.mark.parametrize("seed", keep(1, range(12)))
+def test_random_fields_do_what_is_said(seed: int) -> None:
+    """Paths in floats from near the point beside the verdict."""
+    drawn, noise = Random(seed), np.random.default_rng(seed)
+    size = drawn.choice([N, "sqrt(2*x**2 + y**2)", OBLIQUE])
+
+    def part(name: str) -> str:
+        a, b = (drawn.randint(-3, 3) for _ in range(2))
+        factor = drawn.choice([f"/{size}", "", f"*{size}", f"/({size} + 1)"])
+        return f"({a}*x + ({b})*y){factor} - {drawn.randint(0, 2)}*{name}/{size}"
+
+    texts = [part("x"), part("y")]
+    verdict = ns.System(["x", "y"], texts).check().verdict
+    code = compile(f"[{', '.join(texts)}]", "field", "eval")
+
+    def field(t: float, state: np.ndarray) -> list[float]:
+        return eval(code, {"sqrt": np.sqrt}, dict(zip("xy", state.tolist(), strict=True)))  # noqa: S307
+
+    def near(t: float, state: np.ndarray) -> float:
+        return float(np.hypot(*state) - 1e-5)
+
+    def far(t: float, state: np.ndarray) -> float:
+        return float(np.hypot(*state) - 3e-2)
+
+    near.terminal = far.terminal = True  # type: ignore[attr-defined]
+    ends = []
+    for angle in noise.uniform(0, 2 * np.pi, 6):
+        start = (1e-3 * np.cos(angle), 1e-3 * np.sin(angle))
+        other = solve_ivp(field, (0, 5), start, method="LSODA", events=(near, far), rtol=1e-6, atol=1e-9)
+        ends.append(np.hypot(*other.y[:, -1]))
+    if verdict in (ATTRACTS, "stable"):
+        assert max(ends) < 3e-2
+    if verdict == LEAVES:
+        assert max(ends) > 1e-5
