@@ -56,7 +56,11 @@ SQUARE = 2  # the order of a square root
 
 
 # What right-hand sides take beside what V takes.
-IN_RIGHT_HAND_SIDES = f"{LISTED} of polynomials in the states", "sqrt and rational powers of Abs of a state"
+IN_RIGHT_HAND_SIDES = (
+    f"{LISTED} of polynomials in the states",
+    "sqrt and rational powers of Abs of a state",
+    "sqrt of sums of squares",
+)
 
 
 def parse_lyapunov(

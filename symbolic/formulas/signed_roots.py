@@ -20,7 +20,7 @@ from typing import Any
 from flint import fmpz
 
 from nonsmooth.symbolic.formulas.expression import parse
-from nonsmooth.symbolic.formulas.norms import EXAMPLE, squares_in
+from nonsmooth.symbolic.formulas.norms import squares_in
 from nonsmooth.symbolic.formulas.trees import (
     MAX_TEXT,
     ExpressionError,
@@ -203,7 +203,9 @@ def orders_in(formula: object, states: Sequence[str], parameters: Mapping[str, s
                 continue  # a norm (:mod:`nonsmooth.symbolic.formulas.norms`)
             kind = "square roots" if is_call(node, "sqrt") else "roots"
             example = f"sqrt(Abs({states[0]}))" if is_call(node, "sqrt") else f"Abs({states[0]})**({exponent})"
-            expected = f"{kind} of Abs of a state, such as {example}, or of a sum of squares, such as {EXAMPLE}"
+            squares = [f"{own}**2" for own in states[:2]] if len(states) > 1 else ["1", f"{states[0]}**2"]
+            norm = f"sqrt({' + '.join(squares)})"
+            expected = f"{kind} of Abs of a state, such as {example}, or of a sum of squares, such as {norm}"
             raise ExpressionError(f"required {expected}, received {shown(text)}")
         order = lcm(found.get(name, 1), exponent.denominator)
         if exponent <= 0 or order > MAX_ORDER:
