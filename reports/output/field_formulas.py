@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from nonsmooth.analysis.fields.stated_field import StatedField
 from nonsmooth.reports.output.document import Math
+from nonsmooth.symbolic.formulas.enclosed_functions import NORM
 from nonsmooth.symbolic.formulas.surfaces import symbol_latex
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.printing import Summand, latex_sum, number_summands
@@ -54,13 +55,18 @@ def _polynomial_math(polynomial: Polynomial, names: Sequence[str], symbols: Sequ
 
 
 def stated_math(field: StatedField, states: Sequence[str]) -> tuple[Math, ...]:
-    """The rate of each state, with its sines and cosines."""
-    waves = [polynomial_math(wave.argument, states) for wave in field.waves]
-    named = [{"atan": "arctan"}.get(wave.kind, wave.kind) for wave in field.waves]
-    latex = [rf"\{name}\left({math.latex}\right)" for name, math in zip(named, waves, strict=True)]
+    """The rate of each state, with its norms, sines and cosines."""
+    latex = [_wave_latex(wave.kind, polynomial_math(wave.argument, states).latex) for wave in field.waves]
     return tuple(
         _polynomial_math(rate, field.names(states), [*map(state_latex, states), *latex]) for rate in field.rates
     )
+
+
+def _wave_latex(kind: str, argument: str) -> str:
+    if kind == NORM:
+        return rf"\sqrt{{{argument}}}"
+    name = "arctan" if kind == "atan" else kind
+    return rf"\{name}\left({argument}\right)"
 
 
 def _power(symbol: str, exponent: int) -> str:

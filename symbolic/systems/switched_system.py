@@ -361,7 +361,7 @@ def require_one_field(system: SwitchedSystem) -> None:
 
 
 def require_single(system: SwitchedSystem) -> None:
-    """Refuse arbitrary switching, sines and cosines of states, which are enclosed, and square roots of states.
+    """Refuse arbitrary switching, norms, sines and cosines of states, which are enclosed, and square roots of states.
 
     Raises:
         SceneError: for a system with several right-hand sides, or with such roots.
@@ -370,6 +370,9 @@ def require_single(system: SwitchedSystem) -> None:
     if not system.has_one_field:
         raise _several(system)
     if system.others:
+        if Enclosed.NORMS in system.encloses:
+            received = StatedFact(f"sqrt({system.norms[0].argument})")
+            raise SceneError(system.origin, "system.rhs", "formulas without roots of sums of squares", received)
         expected = "formulas without sin and cos of states" if system.waves else ONE_SIDE
         raise SceneError(system.origin, "system.rhs", expected, StatedFact(f"{1 + len(system.others)}"))
 
