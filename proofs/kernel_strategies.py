@@ -316,7 +316,7 @@ def decide_enclosed_centre(point: CheckedPoint) -> Finding | None:
 
     Around closed orbits no V falls, and none of polynomials is kept by all fields between which sines lie.
     """
-    found = decide_by_symmetry(point) if point.system.waves else None
+    found = decide_by_symmetry(point) if point.system.rewriting.waves else None
     return None if found is None else decide_by_circles(point) or found
 
 
@@ -431,7 +431,7 @@ def decide_linear(point: CheckedPoint) -> Finding | None:
 def linear_matrix(system: SwitchedSystem) -> Floats | None:
     """A of a system ``x' = A x`` in the displacement; None of any other, and beyond floats."""
     states = system.displaced(system.states)
-    if system.others or system.scale is not None or system.by_roots is not None or system.surfaces(states):
+    if system.others or system.rewriting.scale is not None or system.by_roots is not None or system.surfaces(states):
         return None
     try:
         field = system.velocity(no_sign, states)

@@ -88,7 +88,7 @@ def rising_place(
         lyapunov: V in the displacement from the checked point, with the states' names.
         point: such a displacement, in the checked cube.
     """
-    if not system.named_rhs:
+    if not system.rewriting.named_rhs:
         return None
     with ctx.workprec(BITS):
         return next((tuple(p) for p in _places(system, point) if _rate_at(system, lyapunov, p) > 0), None)
@@ -106,7 +106,7 @@ def _places(system: SwitchedSystem, point: Sequence[Any]) -> Iterator[list[Numbe
 
 def _rate_at(system: SwitchedSystem, lyapunov: PiecewiseExpression, place: Sequence[Number]) -> arb:
     """A ball around ``grad V . f`` at a place; the whole line where a formula switches there, or is no polynomial."""
-    names = (*system.states, *(wave.name for wave in system.names))
+    names = (*system.states, *(wave.name for wave in system.rewriting.names))
     displacement = {name: Polynomial.variable(system.field, names, name) for name in names}
     centre = system.named(system.check.equilibrium)
     stated = {name: part + centre[name] if name in centre else part for name, part in displacement.items()}
@@ -119,7 +119,7 @@ def _rate_at(system: SwitchedSystem, lyapunov: PiecewiseExpression, place: Seque
         return found
 
     try:
-        rates = [part.polynomial(stated, sign_of) for part in system.named_rhs]
+        rates = [part.polynomial(stated, sign_of) for part in system.rewriting.named_rhs]
         potential = lyapunov.polynomial(displacement, sign_of)
         waves = _waves(system, place, sign_of)
     except (_OnSurfaceError, ExpressionError):
@@ -134,8 +134,8 @@ def _rate_at(system: SwitchedSystem, lyapunov: PiecewiseExpression, place: Seque
 def _waves(system: SwitchedSystem, place: Sequence[Number], sign_of: SignOf) -> list[arb]:
     """Balls around the sines and the like at a place."""
     states = system.displaced(system.states)
-    arguments = (system.argument_of(wave, states, sign_of)(place) for wave in system.names)
-    return [getattr(v.ball(), wave.kind)() for v, wave in zip(arguments, system.names, strict=True)]
+    arguments = (system.argument_of(wave, states, sign_of)(place) for wave in system.rewriting.names)
+    return [getattr(v.ball(), wave.kind)() for v, wave in zip(arguments, system.rewriting.names, strict=True)]
 
 
 KEY = "lyapunov"
@@ -284,7 +284,7 @@ def _judged_in_the_plane(
     reason, witness = function.reason, function.witness
     if scene.kind is SceneKind.ARRAY:
         return verdict, proves, reason, _named(witness)
-    if isinstance(function, PlaneFunction) and function.decrease is Decrease.REFUTED and scene.waves:
+    if isinstance(function, PlaneFunction) and function.decrease is Decrease.REFUTED and scene.rewriting.waves:
         witness = _stated_refutation(scene, function)
         reason = NOT_OF_THE_FIELD if witness is None else witness.meaning
         verdict = AuditVerdict.UNDECIDED if witness is None else verdict
@@ -347,7 +347,7 @@ def _judged_in_space(scene: SwitchedSystem, function: ExaminedLyapunov) -> Judge
         witness = _stated_failure(scene, function.formula, witness)
         if witness is None:
             verdict = AuditVerdict.UNDECIDED
-            reason = NOT_OF_THE_NUMBERS if Enclosed.NUMBERS in scene.encloses else NOT_OF_THE_FIELD
+            reason = NOT_OF_THE_NUMBERS if Enclosed.NUMBERS in scene.rewriting.encloses else NOT_OF_THE_FIELD
     return verdict, proves, reason, witness
 
 
@@ -355,7 +355,7 @@ def _stated_failure(system: SwitchedSystem, formula: PiecewiseExpression, found:
     """What refutes V for the stated field, where right-hand sides only enclose it; None where nothing does."""
     if found.meaning != many.RISES:
         return found
-    if Enclosed.NUMBERS in system.encloses:
+    if Enclosed.NUMBERS in system.rewriting.encloses:
         return None
     place = rising_place(system, formula, found.point)
     rational = () if place is None else tuple(c.as_rational() for c in place)

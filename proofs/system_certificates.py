@@ -162,7 +162,7 @@ def _certificate_about(result: DecidedSystem) -> Record:
             return _checked(result.scene, subject, draft)
     except BeyondReachError as error:
         reasons.append(str(error))
-    if result.scene.by_roots is not None and result.scene.waves and result.scene.denominators:
+    if result.scene.by_roots is not None and result.scene.rewriting.waves and result.scene.rewriting.denominators:
         raise NoCertificateError("a certificate does not state denominators with states beside roots and sines of them")
     raise NoCertificateError(f"{UNSHOWN}: {reasons[0]}")
 
@@ -530,9 +530,9 @@ def find_region_of_simplices(result: DecidedSystem, asked: str, announce: Announ
         stated = _stated_region(result, region) if further is None else further.hypotheses
         local = _shown_region(system, stated, search)
         if scene.is_planar:
-            limit = radius if scene.denominators else None
+            limit = radius if scene.rewriting.denominators else None
             found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
-        elif scene.denominators:
+        elif scene.rewriting.denominators:
             found = None
         else:
             found = find_basin_in_space(system, local, surfaces, asked, REACH * radius, announce)
@@ -558,7 +558,7 @@ def find_region_of_another_function(result: DecidedSystem, asked: str, announce:
     if not result.has_local_region:
         return None
     scene = result.scene
-    limit = Fraction(exact_text(scene.check.radius)) if scene.denominators else None
+    limit = Fraction(exact_text(scene.check.radius)) if scene.rewriting.denominators else None
     try:
         found = find_reshaped_region(scene, function.formula, asked, announce, limit=limit)
         if found is not None:
@@ -597,8 +597,8 @@ def _attracts_everywhere(draft: Draft) -> bool:
 def notes(system: SwitchedSystem, *, in_time_of_states: bool = False) -> Record:
     """The name of the scene, and the stated formulas where the right-hand sides are others; nothing that is proved."""
     found: Record = {"scene": system.name}
-    if system.written:
-        found["stated"] = [[one_line(formula) for formula in member] for member in system.written]
+    if system.rewriting.written:
+        found["stated"] = [[one_line(formula) for formula in member] for member in system.rewriting.written]
         rewritten = rewriting_words(system, in_time_of_states=in_time_of_states)
         found |= {"right-hand sides": rewritten} if rewritten else {}
     return found
@@ -634,11 +634,11 @@ def find_system_difference(file: str, system: SwitchedSystem) -> str:
     data, _ = read(file)
     subject = data["statement"]["subject"]
     order = subject.get("order", 0)  # of sines and cosines, which a check chooses where there are no roots
-    if system.waves and system.by_roots is None and order != system.order:
+    if system.rewriting.waves and system.by_roots is None and order != system.rewriting.order:
         system = with_order(system, order)
     # Bounds of norms are stated themselves: nothing says of which order they are.
-    orders = range(MOST_ORDER + 1) if Enclosed.NORMS in system.encloses else (system.order,)
-    systems = (system if order == system.order else with_order(system, order) for order in orders)
+    orders = range(MOST_ORDER + 1) if Enclosed.NORMS in system.rewriting.encloses else (system.rewriting.order,)
+    systems = (system if order == system.rewriting.order else with_order(system, order) for order in orders)
     known = [own for asked in systems for own in subjects_of(asked)]
     differences = [_difference(about(own), subject) or _of_others_alone(data, own) for own in known]
     return differences[0] if all(differences) else ""
@@ -651,7 +651,7 @@ def _of_others_alone(certificate: Record, system: SwitchedSystem) -> str:
     one, what is true of all their solutions is true of those of the stated one, and one solution shows nothing.
     """
     statement = certificate["statement"]
-    if system.scale is not None and any({"rate", "gain"} & set(claim) for claim in statement["claims"]):
+    if system.rewriting.scale is not None and any({"rate", "gain"} & set(claim) for claim in statement["claims"]):
         return "rates of right-hand sides without fractions"
     encloses = len(statement["subject"]["rhs"]) > len(stated_lists(system))
     if encloses and {"stability": "unstable"} in statement["claims"] and _follows_one(certificate["evidence"]):

@@ -95,7 +95,7 @@ def decide_system(system: SwitchedSystem) -> StabilityResult:
     if nearer is not None:
         again = _decided(nearer)
         result = result if again.verdict is Translation.UNDECIDED else again
-    for order in range(system.order + 1, MOST_ORDER + 1):
+    for order in range(system.rewriting.order + 1, MOST_ORDER + 1):
         if result.verdict is not Translation.UNDECIDED or not system.hangs_on_order:
             break
         with suppress(SceneError):
@@ -365,8 +365,8 @@ def decide_by_exact_sides(point: CheckedPoint) -> Finding | None:
 
     A sine is enclosed, so the right-hand sides with one show by themselves that solutions stay, not that one leaves.
     """
-    system = point.system
-    if system.order or not (system.waves and len(system.written) > 1):
+    system, rewriting = point.system, point.system.rewriting
+    if rewriting.order or not (rewriting.waves and len(rewriting.written) > 1):
         return None
     with suppress(SceneError):
         exact = without_waves(system)
@@ -463,7 +463,8 @@ def _reach_of_function(system: SwitchedSystem, function: ExaminedFunction) -> Re
     far = None if beyond is None else beyond.largest_sublevel(falls=False)
     region = near if far is None or (near is not None and near.level >= far.level) else far
     reach = Reach() if is_whole else Reach(near=near, region=region)
-    rate = None if found is None or system.scale is not None else found.decay_rate()  # a scaled field has another one
+    is_scaled = system.rewriting.scale is not None  # then the field has another rate
+    rate = None if found is None or is_scaled else found.decay_rate()
     if found is None or rate is None:
         return reach
     if system.by_roots is not None:  # in the time of the roots
@@ -490,7 +491,7 @@ def _beyond(system: SwitchedSystem, function: PlaneFunction) -> FallingFunction 
     domain, checked = function.domain, system.check.radius
     if domain.radius is None or domain.radius == checked:
         return None
-    if not function.is_given and system.waves:
+    if not function.is_given and system.rewriting.waves:
         return None
     found = _falling(system, function, checked)
     is_short = function.is_given or (found is not None and found.degree <= MOST_DEGREE)

@@ -154,14 +154,15 @@ def rewriting_words(system: SwitchedSystem, *, in_time_of_states: bool = False) 
     if system.by_roots is not None and not in_time_of_states:
         roots = system.by_roots.roots
         said.append(f"with {' and '.join(roots.meanings)}, in a time that passes {roots.time_scale} times slower")
-    if system.scale is not None:
+    rewriting, scale = system.rewriting, system.rewriting.scale
+    if scale is not None:
         where = "on the square but at the point" if system.vanishing else "on the square"
-        said.append(f"multiplied by {system.stated_text(system.scale)}, which is positive {where}: other speeds")
+        said.append(f"multiplied by {rewriting.stated_text(scale)}, which is positive {where}: other speeds")
     enclosed = []
-    if system.waves:
-        kinds = kinds_text(system.waves)
+    if rewriting.waves:
+        kinds = kinds_text(rewriting.waves)
         enclosed.append(f"{kinds} of states {'lie' if ' and ' in kinds else 'lies'} between polynomials")
-    enclosed += list(system.encloses)
+    enclosed += list(rewriting.encloses)
     if system.intervals:
         takes = (
             "takes any value of its interval" if len(system.intervals) == 1 else "take any values of their intervals"
@@ -421,7 +422,7 @@ def _looked_at(scene: Scene | SwitchedSystem, function: ExaminedFunction | None)
     """Where V is looked at, and its derivatives."""
     states = scene.states if scene.kind is SceneKind.SYSTEM else PLANE
     yield Fact("domain") if function is None else text_fact("domain", function.domain.text(states), "on")
-    if scene.kind is SceneKind.SYSTEM and (scene.written or scene.others):
+    if scene.kind is SceneKind.SYSTEM and (scene.rewriting.written or scene.others):
         yield row_fact("field", rewriting_words(scene))  # of which the derivatives speak
     yield from () if function is None else _derivatives(function)
 

@@ -84,7 +84,7 @@ def stated_fields(system: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[S
         system: in two states, with one stated field.
         cells: its cells.
     """
-    if not system.names:
+    if not system.rewriting.names:
         return tuple(StatedField(cell.velocities[0]) for cell in cells)
     return tuple(stated_field(system, PLANE, partial(sign_on, cell.region)) for cell in cells)
 
@@ -97,19 +97,19 @@ def stated_field(system: SwitchedSystem, displacement: tuple[str, ...], sign_of:
         displacement: names of the displacement from the checked point.
         sign_of: the sign of an expression in these; inside switching parts there are no sines.
     """
-    variables = (*displacement, *(wave.name for wave in system.names))
+    variables = (*displacement, *(wave.name for wave in system.rewriting.names))
     number, centre, states = system.field, system.check.equilibrium, system.displaced(displacement)
     named = system.named(
         [Polynomial.variable(number, variables, v) + c for v, c in zip(displacement, centre, strict=True)]
     )
-    named |= {wave.name: Polynomial.variable(number, variables, wave.name) for wave in system.names}
+    named |= {wave.name: Polynomial.variable(number, variables, wave.name) for wave in system.rewriting.names}
 
     def sign_in_states(expression: Polynomial) -> int:
         terms = {exponents[: len(displacement)]: c for exponents, c in expression.terms.items()}
         return sign_of(Polynomial(expression.field, displacement, terms))
 
-    rates = tuple(part.polynomial(named, sign_in_states) for part in system.named_rhs or system.rhs)
-    waves = (StatedWave(wave.kind, system.argument_of(wave, states, sign_of)) for wave in system.names)
+    rates = tuple(part.polynomial(named, sign_in_states) for part in system.rewriting.named_rhs or system.rhs)
+    waves = (StatedWave(wave.kind, system.argument_of(wave, states, sign_of)) for wave in system.rewriting.names)
     return StatedField(rates, tuple(waves))
 
 

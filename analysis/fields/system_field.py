@@ -55,7 +55,7 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
     """
     if system.by_roots is not None:
         return _in_stated_states(system.by_roots, start)
-    if len(system.written) != 1:
+    if len(system.rewriting.written) != 1:
         require_single(system)
     states = system.displaced(system.states) if centred else system.coordinates()
     surfaces = _stated_surfaces(system, states)
@@ -66,7 +66,7 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
         if system.vanishing and not centred:
             return _beside_point(system, known)
         sign_of = signs_by_factors(known)
-        if system.written:
+        if system.rewriting.written:
             return _as_stated(system, sign_of, states)
         return _Polynomials(system.velocity(sign_of, states)).velocity
 
@@ -76,9 +76,9 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
 
 def _stated_surfaces(system: SwitchedSystem, states: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
     """The surfaces on which the stated field switches: bounds of norms switch on further ones."""
-    if not system.norms:
+    if not system.rewriting.norms:
         return system.surfaces(states)
-    return replace(system, rhs=system.named_rhs, others=()).surfaces(states)
+    return replace(system, rhs=system.rewriting.named_rhs, others=()).surfaces(states)
 
 
 def _in_stated_states(seen: SeenByRoots, start: Sequence[float]) -> SignField:
@@ -132,20 +132,20 @@ def _beside_point(system: SwitchedSystem, signs: Mapping[Polynomial, int]) -> Ve
 
 def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynomial]) -> Velocity:
     """The stated field from right-hand sides that are scaled, or enclose it."""
-    if system.names:
-        rates = _with_waves(system, system.named_rhs, sign_of, states)
+    if system.rewriting.names:
+        rates = _with_waves(system, system.rewriting.named_rhs, sign_of, states)
     else:
         members = _Polynomials(system.velocity(sign_of, states))
-        if system.scale is None:
+        if system.rewriting.scale is None:
             return members.velocity
         rates = members.at
-    if system.scale is None:
+    if system.rewriting.scale is None:
         return ScalarVelocity(rates)
-    scale = _with_waves(system, [system.scale], sign_of, states)
+    scale = _with_waves(system, [system.rewriting.scale], sign_of, states)
     vanishes = bool(system.vanishing)
 
     # Beside a norm that is zero at the point the field turns ever faster, without a surface for a step to end on.
-    nearest = AT_POINT * system.check.half_width if vanishes and system.norms else -1.0
+    nearest = AT_POINT * system.check.half_width if vanishes and system.rewriting.norms else -1.0
 
     def divided(*x: float) -> Numbers:
         (factor,) = scale(*x)
@@ -162,10 +162,11 @@ def _with_waves(
     system: SwitchedSystem, formulas: Sequence[PiecewiseExpression], sign_of: SignOf, states: Sequence[Polynomial]
 ) -> Callable[..., Numbers]:
     """The values of formulas that are polynomials in the states and in the values of norms, sines and the like."""
-    if not system.names:
+    waves = system.rewriting.names
+    if not waves:
         return _Polynomials([own.polynomial(system.named(states), sign_of) for own in formulas]).at
-    variables = (*system.states, *(wave.name for wave in system.names))
-    beside = (0,) * len(system.names)
+    variables = (*system.states, *(wave.name for wave in waves))
+    beside = (0,) * len(waves)
 
     def extended(own: Polynomial) -> Polynomial:
         return Polynomial(own.field, variables, {(*e, *beside): c for e, c in own.terms.items()})
@@ -174,10 +175,10 @@ def _with_waves(
         return sign_of(Polynomial(own.field, system.states, {e[: len(states)]: c for e, c in own.terms.items()}))
 
     values = dict(zip(system.states, map(extended, states), strict=True))
-    values |= {wave.name: Polynomial.variable(system.field, variables, wave.name) for wave in system.names}
+    values |= {wave.name: Polynomial.variable(system.field, variables, wave.name) for wave in waves}
     rates = _Polynomials([own.polynomial(values, sign_of_states) for own in formulas]).at
-    inner = _Polynomials([system.argument_of(wave, states, sign_of) for wave in system.names]).at
-    functions = [_root if wave.kind == NORM else getattr(math, wave.kind) for wave in system.names]
+    inner = _Polynomials([system.argument_of(wave, states, sign_of) for wave in waves]).at
+    functions = [_root if wave.kind == NORM else getattr(math, wave.kind) for wave in waves]
 
     def at(*x: float) -> Numbers:
         return rates(*x, *[own(v) if isfinite(v) else nan for own, v in zip(functions, inner(*x), strict=True)])

@@ -149,7 +149,7 @@ def build_cells(
     size = system.field.one if radius is None else radius
     half = size.as_rational() if len(system.states) == 1 else None  # intervals may be of any size
     half = rational(size) if half is None else half
-    return SignCells(system.states, surfaces, tuple(found), half, not system.denominators, frozenset(asked))
+    return SignCells(system.states, surfaces, tuple(found), half, not system.rewriting.denominators, frozenset(asked))
 
 
 def adjoining(cells: SignCells) -> list[SignCell]:
@@ -501,20 +501,21 @@ def require_denominators(system: SwitchedSystem) -> None:
         SceneError: for such a denominator, and for right-hand sides that are not proved to be bounded beside the point.
     """
     where = "square" if system.is_planar else "cube"
-    for formula in system.denominators:
+    for formula in system.rewriting.denominators:
         if not _is_positive(system, formula, system.check.radius):
             expected = f"a denominator that is proved not to vanish on the checked {where} (a smaller check.radius?)"
-            raise SceneError(system.origin, "system.rhs", expected, system.stated_text(formula))
+            raise SceneError(system.origin, "system.rhs", expected, system.rewriting.stated_text(formula))
     stated = system if system.by_roots is None else system.by_roots.unscaled
     if system.vanishing and not all(_is_bounded(stated, side) for member in stated.members for side in member.rhs):
         expected = "right-hand sides that are proved bounded beside the point"
-        received = StatedFact(f"{system.stated_text(system.vanishing[0])} in a denominator, which is zero there")
+        denominator = system.rewriting.stated_text(system.vanishing[0])
+        received = StatedFact(f"{denominator} in a denominator, which is zero there")
         raise SceneError(system.origin, "system.rhs", expected, received)
 
 
 def _is_bounded(system: SwitchedSystem, side: PiecewiseExpression) -> bool:
     """Whether a right-hand side over the common denominator is bounded on the checked cube; floats propose by what."""
-    for scale in () if system.scale is None else system.between_norms(system.scale):
+    for scale in () if system.rewriting.scale is None else system.between_norms(system.rewriting.scale):
         largest = _largest_ratio(system, side, scale)
         if not np.isfinite(largest):
             return False
@@ -539,7 +540,7 @@ def _largest_ratio(system: SwitchedSystem, top: PiecewiseExpression, bottom: Pie
 
 def are_positive_everywhere(system: SwitchedSystem) -> bool:
     """Whether the denominators are proved positive in the whole space."""
-    return all(_is_positive(system, formula, None) for formula in system.denominators)
+    return all(_is_positive(system, formula, None) for formula in system.rewriting.denominators)
 
 
 def _is_positive_on_square(system: SwitchedSystem, formula: PiecewiseExpression, *, except_origin: bool) -> bool:

@@ -73,7 +73,7 @@ def homogeneity_of(system: SwitchedSystem, radius: Number | None = None) -> Homo
     """
     roots = () if system.by_roots is None else system.by_roots.roots.names.values()
     at = system.named(system.check.equilibrium)
-    if system.waves or system.denominators or any(at[name] for name in roots):
+    if system.rewriting.waves or system.rewriting.denominators or any(at[name] for name in roots):
         return None
     known = {} if system.by_roots is None else system.by_roots.roots.order
     orders = tuple(known.get(name, 1) for name in system.stated_states)

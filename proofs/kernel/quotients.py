@@ -64,7 +64,7 @@ def find_quotient(system: SwitchedSystem, *, everywhere: bool = False, stated: b
         whole, cube = (stated_cells(system, own).record for own in (None, system.check.radius))
     except (BeyondReachError, NotShownError, SceneError):
         return None
-    beyond = not system.denominators and system.by_roots is None and not system.waves
+    beyond = not system.rewriting.denominators and system.by_roots is None and not system.rewriting.waves
     own = [[part.text for part in system.check.quotient or ()]]
     tried = 0
     for top, bottom in own if stated else _quotients(subject, cube):

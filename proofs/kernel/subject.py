@@ -59,7 +59,7 @@ def about(system: SwitchedSystem) -> Record:
     with_waves = _with_waves(system)
     rhs = with_waves or [[formula_in_names(side, system) for side in member.rhs] for member in system.members]
     own: Record = {"states": list(system.states), "rhs": rhs}
-    own |= {"order": system.order} if with_waves and system.order else {}
+    own |= {"order": system.rewriting.order} if with_waves and system.rewriting.order else {}
     irrational = [] if with_waves else list(_irrational_numbers(system))
     if not irrational:
         return {**own, "at": list(map(exact_text, at))}
@@ -108,13 +108,13 @@ def _with_roots(system: SwitchedSystem, by_roots: SeenByRoots) -> Record:
     roots, extended = by_roots.roots, by_roots.extended
     sides = [member.rhs[: len(roots.states)] for member in extended.members]
     with_functions = any(NUMBERS.search(side.text) for member in sides for side in member)
-    if not system.waves and (system.denominators or with_functions):
+    if not system.rewriting.waves and (system.rewriting.denominators or with_functions):
         rhs = [[roots.restored(formula_in_names(side, extended)) for side in member] for member in sides]
     else:
-        rhs = [[one_line(formula) for formula in member] for member in system.written]
+        rhs = [[one_line(formula) for formula in member] for member in system.rewriting.written]
     known = {"states": list(roots.states), "rhs": rhs, "at": list(map(exact_text, system.stated_point))}
     orders = {"orders": list(roots.orders)} if set(roots.orders) != {2} else {}
-    order = {"order": system.order} if system.waves else {}
+    order = {"order": system.rewriting.order} if system.rewriting.waves else {}
     irrational = list(_irrational_numbers(system))
     _, named = _named_numbers(irrational, system) if irrational else (None, {})
     return {**known, "roots": list(roots.rooted), **orders, **order, **named}
@@ -147,12 +147,17 @@ def _with_waves(system: SwitchedSystem) -> list[list[str]]:
 
     The number of terms with irrational numbers is limited, and these may not stand beside switching functions.
     """
-    if system.norms:
+    if system.rewriting.norms:
         return []
-    terms = [list(_terms(side, system)) for side in system.named_rhs]
+    terms = [list(_terms(side, system)) for side in system.rewriting.named_rhs]
     bounds = [own for side in terms for own, _ in side]
-    written = not any(_stays(own, system) and NUMBERS.search(own.argument) for own in system.names)
-    if not system.names or not written or not all(bounds) or sum(len(own) > 1 for own in bounds) > MOST_PLACES:
+    written = not any(_stays(own, system) and NUMBERS.search(own.argument) for own in system.rewriting.names)
+    if (
+        not system.rewriting.names
+        or not written
+        or not all(bounds)
+        or sum(len(own) > 1 for own in bounds) > MOST_PLACES
+    ):
         return []
     found = []
     for chosen in product(*bounds):
@@ -166,7 +171,7 @@ def _terms(side: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[
 
     With ``cos v - 1`` in place of ``cos v`` constant terms cancel, so that the point remains one of rest.
     """
-    waves = {own.name: f"{own.kind}({_argument_text(own, system)})" for own in system.names}
+    waves = {own.name: f"{own.kind}({_argument_text(own, system)})" for own in system.rewriting.names}
     if side.switching_parts:
         names = dict.fromkeys(waves, ast.Name("w"))
         can_be_written = not NUMBERS.search(written(with_names(side.tree, names)))
@@ -175,7 +180,7 @@ def _terms(side: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[
         return
     factors = {name: name for name in system.states} | waves
     values = {name: Polynomial.variable(system.field, tuple(factors), name) for name in factors}
-    for wave in system.names:
+    for wave in system.rewriting.names:
         if wave.kind in ONE_AT_ZERO:
             values[wave.name] += 1
             factors[wave.name] = f"({waves[wave.name]} - 1)"

@@ -199,7 +199,7 @@ def find_global_attraction(
         potentials: V in the displacement, tried in turn, before others that are searched.
         energies: further V, which need not fall.
     """
-    if system.waves or system.by_roots is not None or not are_positive_everywhere(system):
+    if system.rewriting.waves or system.by_roots is not None or not are_positive_everywhere(system):
         return None
     known = rational_subject(system)
     if known is None:

@@ -360,7 +360,7 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
         return Equilibrium.FAILS
     at_rest = not any(map(any, velocities))
     certain = at_rest or (
-        all(surface.degree == 1 for surface in cells.surfaces) and Enclosed.NUMBERS not in scene.encloses
+        all(surface.degree == 1 for surface in cells.surfaces) and Enclosed.NUMBERS not in scene.rewriting.encloses
     )
     return Equilibrium.HOLDS if certain else Equilibrium.UNDECIDED
 

@@ -382,10 +382,10 @@ def find_energy_on_circles(system: SwitchedSystem) -> tuple[Record, str, str, bo
 
 def _angles(system: SwitchedSystem) -> tuple[str, ...]:
     """The states of which there are sines and cosines; none unless all of these are 0 at the point."""
-    if system.norms:
+    if system.rewriting.norms:
         return ()
     try:
-        arguments = [system.argument_of(wave) for wave in system.names]
+        arguments = [system.argument_of(wave) for wave in system.rewriting.names]
     except ExpressionError:  # what switches
         return ()
     found = set()
@@ -408,9 +408,10 @@ def on_circles(system: SwitchedSystem, angles: Sequence[str]) -> SwitchedSystem 
         return None
     values = {name: Polynomial.variable(system.field, coordinates, name) for name in coordinates}
     try:
-        known = {wave.name: _turned(wave, system, values) for wave in system.names}
+        known = {wave.name: _turned(wave, system, values) for wave in system.rewriting.names}
         stated = [
-            _text(side, known, [name for name in system.states if name not in angles]) for side in system.named_rhs
+            _text(side, known, [name for name in system.states if name not in angles])
+            for side in system.rewriting.named_rhs
         ]
     except ExpressionError:
         return None
@@ -424,8 +425,8 @@ def on_circles(system: SwitchedSystem, angles: Sequence[str]) -> SwitchedSystem 
         system.check, equilibrium=tuple(at.get(name, zero) for name in coordinates), lyapunov=squares, is_default=True
     )
     sides = tuple(parse_piecewise(text, coordinates) for text in rhs)
-    plain: Record = {"others": (), "written": (), "waves": (), "named_rhs": (), "names": ()}
-    return replace(system, states=coordinates, rhs=sides, check=check, **plain)
+    plain = replace(system.rewriting, written=(), waves=(), named_rhs=(), names=())
+    return replace(system, states=coordinates, rhs=sides, check=check, others=(), rewriting=plain)
 
 
 def _turned(wave: Wave, system: SwitchedSystem, values: Mapping[str, Polynomial]) -> Polynomial:

@@ -250,8 +250,8 @@ class BallCell:
         sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
         named = system.named()
         try:
-            positive = [own.polynomial(named, sign_of) for own in system.denominators]
-            scale = [] if system.scale is None else [system.scale.polynomial(named, sign_of)]
+            positive = [own.polynomial(named, sign_of) for own in system.rewriting.denominators]
+            scale = [] if system.rewriting.scale is None else [system.rewriting.scale.polynomial(named, sign_of)]
         except UnknownSign:
             raise UnprovedError("a denominator switches where the right-hand sides do not") from None
         self.field, scale = lowered(system.velocity(sign_of), scale, positive)

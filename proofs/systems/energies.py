@@ -220,8 +220,8 @@ def _alone_near(
         return own(at).sign()
 
     scale = None
-    if system.scale is not None and not system.norms:
-        scale = _alone(system.scale.polynomial(system.named(states), sign_of), i)
+    if system.rewriting.scale is not None and not system.rewriting.norms:
+        scale = _alone(system.rewriting.scale.polynomial(system.named(states), sign_of), i)
     found = []
     for part in system.members[0].velocity(sign_of, states):
         alone = _alone(part, i)

@@ -236,7 +236,8 @@ class _Program:
         curves = tuple(bent(own) for own in known.surfaces if own.degree > 1 and _has_tangent(own))
         if curves:  # relays on them need what bends; alone it is zero there
             return [(*curves, *found[:2][-1]), found[0]]
-        is_short = has_curves(self.system) or Enclosed.NORMS in self.system.encloses  # on whose lines no field bends
+        # On the lines on which bounds of norms bend the stated field does not.
+        is_short = has_curves(self.system) or Enclosed.NORMS in self.system.rewriting.encloses
         return found[:2] if is_short else found
 
     def further_lines(self) -> Iterator[list[Polynomial]]:

@@ -56,7 +56,7 @@ def line_reach(scene: SwitchedSystem, half: Fraction) -> Reach:
     (name,) = scene.states
     entry = find_global_attraction(scene, [parse_piecewise(f"{name}**2", scene.states)])
     everywhere = Reach(everywhere=entry is not None, global_entry=entry)
-    if scene.scale is not None or scene.by_roots is not None:
+    if scene.rewriting.scale is not None or scene.by_roots is not None:
         return everywhere
     known = rational_subject(scene)
     if known is None:
@@ -144,11 +144,11 @@ class LinePoint(CheckedPoint):
         Raises:
             SceneError: for these, and for formulas that cannot be used.
         """
-        for formula in system.denominators:
+        for formula in system.rewriting.denominators:
             ends = system.between_norms(formula)
             if not all(_is_positive(system, own, turn) for own in ends for turn in (1, -1)):
                 expected = "a denominator that does not vanish on the checked interval (a smaller check.radius?)"
-                raise SceneError(system.origin, "system.rhs", expected, system.stated_text(formula))
+                raise SceneError(system.origin, "system.rhs", expected, system.rewriting.stated_text(formula))
         self.system = system
 
     @cached_property

@@ -326,7 +326,7 @@ def arrives_in_time(system: SwitchedSystem, cells: Sequence[FieldCell]) -> bool:
         return True
     from nonsmooth.proofs.systems.leading_terms import decide_fan_of_leading_terms, needs_no_other_terms
 
-    fan = None if system.waves or system.others else build_tangent_fan(system)
+    fan = None if system.rewriting.waves or system.others else build_tangent_fan(system)
     if fan is None or fan.degree > 1 or not needs_no_other_terms(fan):
         return False
     decided = decide_fan_of_leading_terms(fan)

@@ -78,7 +78,7 @@ class PhasePortrait(Result):
     @cached_property
     def borders(self) -> tuple[BorderPart, ...]:
         """Parts of the straight borders across which the field changes."""
-        if self.system.names:
+        if self.system.rewriting.names:
             return tuple(wave_border_parts(self.cells, self.fields))
         return tuple(border_parts(self.cells))
 

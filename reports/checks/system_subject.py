@@ -81,7 +81,7 @@ class SystemSubject(ReportSubject):
             BeyondReachError: where there are too many.
         """
         system, cells = self.seen, self.sign_cells
-        stated = (system,) if system.names else system.members
+        stated = (system,) if system.rewriting.names else system.members
         for cell in cells.cells:
             sign_of = signs_by_factors(dict(zip(cells.surfaces, cell.signs, strict=True)))
             signs = " ".join("+" if sign > 0 else "-" for sign in cell.signs)

@@ -131,8 +131,8 @@ def system_section(subject: SystemSubject) -> Section:
     )
     blocks: list[Block] = []
     members = system.members
-    if system.written:
-        blocks += [_formulas(system.stated_states, formulas) for formulas in system.written]
+    if system.rewriting.written:
+        blocks += [_formulas(system.stated_states, formulas) for formulas in system.rewriting.written]
         blocks.append(paragraph("{} What is proved of the following is proved of that.", rewriting_words(system)))
     if system.others and system.has_one_field:
         blocks.append(paragraph("At every point the field is a mixture of these {}:", str(len(members))))
@@ -142,7 +142,7 @@ def system_section(subject: SystemSubject) -> Section:
         blocks.append(paragraph("They differ only where tables of regions overlap: each takes another table first."))
     for member in members:
         texts = [rhs.text for rhs in member.rhs]
-        if system.written:  # formulas of the user stay as they are
+        if system.rewriting.written:  # formulas of the user stay as they are
             texts = [written(tidied(rhs.tree)) for rhs in member.rhs]
         blocks.append(_formulas(system.states, texts))
     return Section("The system", (*blocks, where))
@@ -214,8 +214,8 @@ def polygons_section(subject: SystemSubject) -> Section:
         "is {}. Corners and rates are written in the displacement from the point, whose entries are called "
         "like the states.",
         str(len(subject.polygons)),
-        f"a polynomial in the states and in {kinds_text(subject.scene.names)} of them"
-        if subject.scene.names
+        f"a polynomial in the states and in {kinds_text(subject.scene.rewriting.names)} of them"
+        if subject.scene.rewriting.names
         else "a polynomial",
     )
     rows = [row for k, cell in enumerate(subject.polygons) for row in _cell_rows(k, cell, subject)]
@@ -230,7 +230,7 @@ def _cell_rows(index: int, cell: FieldCell, subject: SystemSubject) -> Iterable[
     for guard in cell.region.guards:
         bound = polynomial_math(guard, states)
         where = (*where, "; ", Math(f"{bound.latex} > 0", f"{bound.plain} > 0"))
-    known = [subject.portrait.fields[index]] if subject.scene.names else map(StatedField, cell.velocities)
+    known = [subject.portrait.fields[index]] if subject.scene.rewriting.names else map(StatedField, cell.velocities)
     for k, field in enumerate(known):
         yield [str(index + 1) if not k else "", where if not k else "", *stated_math(field, states)]
 

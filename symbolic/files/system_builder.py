@@ -43,7 +43,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
 from nonsmooth.symbolic.numbers.number_text import short_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.switched_system import Enclosed, SeenByRoots, SwitchedSystem, SystemCheck
+from nonsmooth.symbolic.systems.switched_system import Enclosed, Rewriting, SeenByRoots, SwitchedSystem, SystemCheck
 
 # Said of a system with a state V: to rename it would change what the user wrote.
 TWO_MEANINGS = (
@@ -104,7 +104,7 @@ def with_order(system: SwitchedSystem, order: int) -> SwitchedSystem:
     Raises:
         SceneError: for formulas of too high a degree.
     """
-    return _of_lists(system, system.written, order)
+    return _of_lists(system, system.rewriting.written, order)
 
 
 def with_roots(system: SwitchedSystem, orders: Sequence[int]) -> SwitchedSystem:
@@ -132,13 +132,13 @@ def without_waves(system: SwitchedSystem) -> SwitchedSystem | None:
     Raises:
         SceneError: for formulas that cannot be used.
     """
-    lists = [formulas for formulas in system.written if not any(map(has_waves, formulas))]
+    lists = [formulas for formulas in system.rewriting.written if not any(map(has_waves, formulas))]
     return _of_lists(system, lists, 0) if lists and system.by_roots is None else None
 
 
 def stated_lists(system: SwitchedSystem) -> Sequence[Sequence[str]]:
     """The formulas of each right-hand side as they were stated."""
-    return system.written or [[side.text for side in member.rhs] for member in system.members]
+    return system.rewriting.written or [[side.text for side in member.rhs] for member in system.members]
 
 
 def part_of(system: SwitchedSystem, chosen: Sequence[str], texts: Mapping[str, str]) -> SwitchedSystem:
@@ -213,6 +213,17 @@ def _plain_system(
         check.lyapunov is None or quotient is not None,
         quotient,
     )
+    rewriting = Rewriting(
+        written=sides.written,
+        waves=sides.waves,
+        denominators=_parsed(sides.denominators, with_norms, file, "system.rhs"),
+        scale=_parsed((sides.scale,), with_norms, file, "system.rhs")[0] if sides.scale else None,
+        named_rhs=_parsed(sides.named, (*states, *(wave.name for wave in sides.names)), file, "system.rhs"),
+        names=sides.names,
+        norms=sides.norms,
+        order=order,
+        encloses=(Enclosed.NORMS,) if sides.encloses_norms else (),
+    )
     system = SwitchedSystem(
         name=document.name or path.stem,
         field=numbers.field,
@@ -221,15 +232,7 @@ def _plain_system(
         check=checked,
         source=file,
         others=tuple(others),
-        written=sides.written,
-        waves=sides.waves,
-        denominators=_parsed(sides.denominators, with_norms, file, "system.rhs"),
-        scale=_parsed((sides.scale,), with_norms, file, "system.rhs")[0] if sides.scale else None,
-        named_rhs=_parsed(sides.named, (*states, *(wave.name for wave in sides.names)), file, "system.rhs"),
-        names=sides.names,
-        norms=sides.norms,
-        encloses=(Enclosed.NORMS,) if sides.encloses_norms else (),
-        order=order,
+        rewriting=rewriting,
         intervals=tuple(intervals),
         overlaps=document.system.overlap,
     )
@@ -312,10 +315,11 @@ def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path
         if any(root in str(received) for root in roots.names.values()):
             received = StatedFact(f"{received} with {', '.join(roots.meanings)}")
         raise SceneError(error.file, error.key, expected, received) from None
-    lists = extended.written or tuple(tuple(side.text for side in m.rhs) for m in extended.members)
+    lists = extended.rewriting.written or tuple(tuple(side.text for side in m.rhs) for m in extended.members)
     written = tuple(tuple(map(roots.restored, part[: len(roots.states)])) for part in lists)
     unscaled = replace(seen, rhs=unscaled.rhs, others=unscaled.others)  # over the same number field
-    return replace(seen, written=written, by_roots=SeenByRoots(roots, extended, unscaled))
+    rewriting = replace(seen.rewriting, written=written)
+    return replace(seen, rewriting=rewriting, by_roots=SeenByRoots(roots, extended, unscaled))
 
 
 def _whole(
@@ -376,7 +380,7 @@ def _require_zero_arguments(system: SwitchedSystem) -> None:
         SceneError: for such an argument.
     """
     states = system.displaced(system.states)
-    for wave in system.waves:
+    for wave in system.rewriting.waves:
         try:
             arguments = [system.argument_of(wave, states, lambda _, side=side: side) for side in (1, -1)]  # type: ignore[misc]
         except ExpressionError:

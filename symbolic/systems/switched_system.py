@@ -100,6 +100,40 @@ class SeenByRoots:
     unscaled: SwitchedSystem
 
 
+@dataclass(frozen=True)
+class Rewriting:
+    """What was done to the stated formulas until they were polynomials on cells; nothing where all is empty.
+
+    Attributes:
+        written: the formulas as they were stated, where the right-hand sides are not these but scaled (fractions) or
+            enclose them (sines, cosines and norms of states).
+        waves: the sines and the like that are enclosed; the right-hand sides are the values at all ends of its weights.
+        denominators: formulas in the states and in names of norms that must be positive on the checked square, but
+            perhaps at the checked point.
+        scale: the positive factor by which the stated fields were multiplied, likewise; None without fractions.
+        named_rhs: the one field that is enclosed, in the states and in names of its norms, sines and cosines.
+        names: what these names mean.
+        norms: what the names of norms mean.
+        order: how many further terms of sines and cosines are taken
+            (:mod:`nonsmooth.symbolic.formulas.enclosed_functions`), and how often bounds of norms get closer.
+        encloses: what the right-hand sides have bounds of, beside waves.
+    """
+
+    written: tuple[tuple[str, ...], ...] = ()
+    waves: tuple[Wave, ...] = ()
+    denominators: tuple[PiecewiseExpression, ...] = ()
+    scale: PiecewiseExpression | None = None
+    named_rhs: tuple[PiecewiseExpression, ...] = ()
+    names: tuple[Wave, ...] = ()
+    norms: tuple[Norm, ...] = ()
+    order: int = 0
+    encloses: tuple[Enclosed, ...] = ()
+
+    def stated_text(self, formula: PiecewiseExpression) -> str:
+        """A formula of the states and of norms as people read it."""
+        return written(tidied(restored(formula.tree, self.norms)))
+
+
 @dataclass(frozen=True, repr=False)
 class SwitchedSystem(ShortRepr):
     """A switched system with everything a check needs; numbers live in one field.
@@ -112,20 +146,8 @@ class SwitchedSystem(ShortRepr):
         check: what is checked.
         source: where it came from (a file or a built-in name).
         others: further right-hand sides; the field is any of them, or any mixture, at any time (arbitrary switching).
-        written: the formulas as they were stated, where the right-hand sides are not these but scaled (fractions) or
-            enclose them (sines, cosines and norms of states); empty otherwise.
-        waves: the sines and the like that are enclosed; the right-hand sides are the values at all ends of its weights.
-        denominators: formulas in the states and in names of norms that must be positive on the checked square, but
-            perhaps at the checked point.
-        scale: the positive factor by which the stated fields were multiplied, likewise; None without fractions.
-        named_rhs: the one field that is enclosed, in the states and in names of its norms, sines and cosines; else
-            empty.
-        names: what these names mean.
-        norms: what the names of norms mean.
+        rewriting: what was done to the stated formulas.
         by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
-        order: how many further terms of sines and cosines are taken
-            (:mod:`nonsmooth.symbolic.formulas.enclosed_functions`).
-        encloses: what the right-hand sides have bounds of, beside waves.
         intervals: names of the parameters that were stated as intervals; the right-hand sides are those at their ends.
         overlaps: whether tables of regions may overlap; each right-hand side takes another one of them first.
     """
@@ -139,43 +161,35 @@ class SwitchedSystem(ShortRepr):
     check: SystemCheck
     source: str = ""
     others: tuple[tuple[PiecewiseExpression, ...], ...] = ()
-    written: tuple[tuple[str, ...], ...] = ()
-    waves: tuple[Wave, ...] = ()
-    denominators: tuple[PiecewiseExpression, ...] = ()
-    scale: PiecewiseExpression | None = None
+    rewriting: Rewriting = Rewriting()
     by_roots: SeenByRoots | None = None
-    named_rhs: tuple[PiecewiseExpression, ...] = ()
-    names: tuple[Wave, ...] = ()
-    norms: tuple[Norm, ...] = ()
-    order: int = 0
-    encloses: tuple[Enclosed, ...] = ()
     intervals: tuple[str, ...] = ()
     overlaps: bool = False
 
     @property
     def members(self) -> tuple[SwitchedSystem, ...]:
         """One system for each right-hand side."""
-        return tuple(
-            replace(self, rhs=rhs, others=(), waves=(), named_rhs=(), names=()) for rhs in (self.rhs, *self.others)
-        )
+        own = replace(self.rewriting, waves=(), named_rhs=(), names=())
+        return tuple(replace(self, rhs=rhs, others=(), rewriting=own) for rhs in (self.rhs, *self.others))
 
     @property
     def has_one_field(self) -> bool:
         """Whether the system as it was stated has one right-hand side: several may enclose it."""
-        return not self.others or (self.only_encloses and len(self.written) == 1)
+        return not self.others or (self.only_encloses and len(self.rewriting.written) == 1)
 
     @property
     def only_encloses(self) -> bool:
         """Whether the right-hand sides only enclose the stated field: what one of them allows, that need not."""
-        return bool(self.waves or self.encloses)
+        return bool(self.rewriting.waves or self.rewriting.encloses)
 
     @property
     def hangs_on_order(self) -> bool:
         """Whether further terms, or closer bounds, enclose the stated field more closely.
 
-        Closer bounds of norms switch on more planes, which in space cut too many cells.
+        Closer bounds of norms switch on more lines; those of several, and planes in space, cut too many cells.
         """
-        return bool(self.waves) or (Enclosed.NORMS in self.encloses and self.is_planar)
+        norms = self.rewriting.norms if Enclosed.NORMS in self.rewriting.encloses else ()
+        return bool(self.rewriting.waves) or (len(norms) == 1 and self.is_planar)
 
     @property
     def stated_states(self) -> tuple[str, ...]:
@@ -198,7 +212,7 @@ class SwitchedSystem(ShortRepr):
     @property
     def vanishing(self) -> tuple[PiecewiseExpression, ...]:
         """The denominators that are zero at the checked point: the stated field has no value there."""
-        return tuple(filter(self.is_zero_at_point, self.denominators))
+        return tuple(filter(self.is_zero_at_point, self.rewriting.denominators))
 
     def is_zero_at_point(self, formula: PiecewiseExpression) -> bool:
         """Whether a formula of the states and of norms is zero at the checked point."""
@@ -207,14 +221,10 @@ class SwitchedSystem(ShortRepr):
 
     def between_norms(self, formula: PiecewiseExpression) -> tuple[PiecewiseExpression, ...]:
         """Formulas of the states whose hull holds one that is affine in norms, too: itself where it holds none."""
-        if not self.norms:
+        if not self.rewriting.norms:
             return (formula,)
-        ends = at_ends([formula.text], self.norms, self.states, self.order)
+        ends = at_ends([formula.text], self.rewriting.norms, self.states, self.rewriting.order)
         return tuple(parse_piecewise(text, self.states) for (text,) in ends)
-
-    def stated_text(self, formula: PiecewiseExpression) -> str:
-        """A formula of the states and of norms as people read it."""
-        return written(tidied(restored(formula.tree, self.norms)))
 
     @property
     def is_planar(self) -> bool:
@@ -341,10 +351,10 @@ def require_stated(system: SwitchedSystem) -> None:
     example = roots.root_text(roots.rooted[0])
     may = "with it stability is decided, and paths are followed"
     expected = f"formulas without {example} ({may})"
-    for k, side in enumerate(system.written, 1):
+    for k, side in enumerate(system.rewriting.written, 1):
         for j, formula in enumerate(side, 1):
             if orders_in(formula, roots.states, {}):
-                key = f"system.rhs[{k}][{j}]" if len(system.written) > 1 else f"system.rhs[{j}]"
+                key = f"system.rhs[{k}][{j}]" if len(system.rewriting.written) > 1 else f"system.rhs[{j}]"
                 raise SceneError(system.origin, key, expected, formula)
     raise SceneError(system.origin, "check.lyapunov", expected, StatedFact(example))
 
@@ -370,10 +380,10 @@ def require_single(system: SwitchedSystem) -> None:
     if not system.has_one_field:
         raise _several(system)
     if system.others:
-        if Enclosed.NORMS in system.encloses:
-            received = StatedFact(f"sqrt({system.norms[0].argument})")
+        if Enclosed.NORMS in system.rewriting.encloses:
+            received = StatedFact(f"sqrt({system.rewriting.norms[0].argument})")
             raise SceneError(system.origin, "system.rhs", "formulas without roots of sums of squares", received)
-        expected = "formulas without sin and cos of states" if system.waves else ONE_SIDE
+        expected = "formulas without sin and cos of states" if system.rewriting.waves else ONE_SIDE
         raise SceneError(system.origin, "system.rhs", expected, StatedFact(f"{1 + len(system.others)}"))
 
 
@@ -388,7 +398,7 @@ def _several(system: SwitchedSystem) -> SceneError:
     if system.overlaps:
         expected = "false (where tables overlap only stability is decided)"
         return SceneError(system.origin, "system.overlap", expected, StatedFact("true"))
-    count = len(system.written) or 1 + len(system.others)
+    count = len(system.rewriting.written) or 1 + len(system.others)
     return SceneError(system.origin, "system.rhs", ONE_SIDE, StatedFact(f"{count}"))
 
 
@@ -496,8 +506,9 @@ def enclose_numbers(system: SwitchedSystem) -> SwitchedSystem:
         raise NoEnclosureError("irrational numbers beside roots of states")
     first, *others = (side for own in sides for side in own)
     stated = tuple(tuple(side.text for side in member.rhs) for member in system.members)
-    encloses = (*system.encloses, Enclosed.NUMBERS)
-    return replace(system, rhs=first, others=tuple(others), written=system.written or stated, encloses=encloses)
+    encloses = (*system.rewriting.encloses, Enclosed.NUMBERS)
+    rewriting = replace(system.rewriting, written=system.rewriting.written or stated, encloses=encloses)
+    return replace(system, rhs=first, others=tuple(others), rewriting=rewriting)
 
 
 def _between(system: SwitchedSystem) -> list[tuple[PiecewiseExpression, ...]]:

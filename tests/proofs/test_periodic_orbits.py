@@ -144,7 +144,8 @@ def test_a_denominator_that_is_not_positive_on_the_orbit_proves_nothing() -> Non
     """Forged: the program itself states no such system, its denominators are not zero at the checked point."""
     system = ns.System(["x", "y"], ["(y + x - x**3)/(1 + y**2)", "-x/(1 + y**2)"]).system
     orbit = find_orbit(system_field(system, (1.0, 0.1)), (1.0, 0.1), 60.0)
-    forged = replace(system, denominators=(*system.denominators, parse_piecewise("x + 1/2", ["x", "y"])))
+    denominators = (*system.rewriting.denominators, parse_piecewise("x + 1/2", ["x", "y"]))
+    forged = replace(system, rewriting=replace(system.rewriting, denominators=denominators))
     proof = prove_orbit(forged, orbit)
     assert not proof.is_proved
     assert "surface" in proof.reason

@@ -190,7 +190,7 @@ def test_further_terms_are_not_tried_where_first_ones_are_larger(monkeypatch: py
     asked = list[int]()
 
     def ask(system: SwitchedSystem) -> Open:
-        asked.append(system.order)
+        asked.append(system.rewriting.order)
         return Open()
 
     monkeypatch.setattr(system_decision, "_decided", ask)
@@ -369,7 +369,7 @@ def test_known_systems(rhs: tuple[str, str], truth: Translation) -> None:
     assert result.verdict is truth
     assert result.check()
     assert result.reach.everywhere is (rhs in FROM_EVERYWHERE)
-    assert (result.reach.rate is None) or not result.scene.scale
+    assert (result.reach.rate is None) or not result.scene.rewriting.scale
     assert rewriting_words(result.scene)
     last = ends(rhs, 0.05)
     assert last < 0.7 if truth is ATTRACTS else last > 3

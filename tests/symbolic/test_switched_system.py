@@ -229,7 +229,7 @@ def test_right_hand_sides_enclose_the_formula(formula: str) -> None:
     rng = np.random.default_rng(2)
     for x in rng.uniform(-3, 3, (40, 2)):
         expected = value(formula, x=x[0], y=x[1])
-        scale = value(system.scale.text, x=x[0], y=x[1]) if system.scale else 1
+        scale = value(system.rewriting.scale.text, x=x[0], y=x[1]) if system.rewriting.scale else 1
         values = [value(member.rhs[1].text, x=x[0], y=x[1]) for member in system.members]
         assert min(values) - 1e-9 <= scale * expected <= max(values) + 1e-9
 
@@ -264,7 +264,7 @@ def test_interval_parameters_stand_for_their_ends() -> None:
     system = built(["y", "-k*x - c*sgn(y)"], {"k": [1, "3/2"], "c": ["1/4", 2]})
     found = {member.rhs[1].text for member in system.members}
     assert len(found) == len(list(itertools.product(range(2), repeat=2)))
-    assert not system.written
+    assert not system.rewriting.written
     twice = built([["y", "-k*x - y"], ["y", "-3*x - y"]], {"k": [1, 2], "unused": [0, 1]})
     assert [member.rhs[1].text for member in twice.members] == ["-1*x - y", "-3*x - y", "-2*x - y"]
     assert twice.intervals == ("k",)
@@ -319,7 +319,7 @@ def fields(system: SwitchedSystem, place: Sequence[sympy.Rational]) -> list[list
 def test_the_stated_field_is_a_mixture(rhs: list[Any]) -> None:
     stated = built(rhs)
     enclosing = enclose_numbers(stated)
-    assert enclosing.encloses == (Enclosed.NUMBERS,)
+    assert enclosing.rewriting.encloses == (Enclosed.NUMBERS,)
     assert enclosing.only_encloses
     assert len(enclosing.members) > len(stated.members)
     assert enclose_numbers(enclosing) is enclosing
