@@ -35,7 +35,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
-from nonsmooth.symbolic.systems.switched_system import MOST_ORDER, SwitchedSystem, with_known_numbers
+from nonsmooth.symbolic.systems.switched_system import MOST_ORDER, Enclosed, SwitchedSystem, with_known_numbers
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.parts import CascadeBlock, Parts
@@ -224,9 +224,14 @@ def _open(point: CheckedPoint) -> Finding:
 
 
 def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
-    """Whether 0 is in F: it is where solutions stay near; where denominators are zero there nothing else tells."""
+    """Whether 0 is in F: it is where solutions stay near; where denominators are zero there nothing else tells.
+
+    Nor does it where F is larger than that of the field, because unit vectors are enclosed.
+    """
     if verdict in (Translation.STABLE, Translation.ASYMPTOTICALLY_STABLE):
         return Equilibrium.HOLDS
+    if Enclosed.UNITS in point.system.rewriting.encloses and point.equilibrium is Equilibrium.HOLDS:
+        return Equilibrium.UNDECIDED
     return Equilibrium.UNDECIDED if point.system.vanishing else point.equilibrium
 
 

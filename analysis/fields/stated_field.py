@@ -10,12 +10,14 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, sign_on
+from nonsmooth.symbolic.formulas.enclosed_functions import INVERSE, NORM
 from nonsmooth.symbolic.formulas.piecewise import SignOf
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
@@ -36,7 +38,8 @@ class StatedWave:
 
     def text(self, states: Sequence[str]) -> str:
         """As a formula, with the names of the states."""
-        return f"{self.kind}({replace(self.argument, variables=tuple(states))})"
+        argument = replace(self.argument, variables=tuple(states))
+        return f"({argument})**(-1/2)" if self.kind == INVERSE else f"{self.kind}({argument})"
 
 
 @dataclass(frozen=True)
@@ -66,8 +69,16 @@ class StatedField:
         if not self.waves:
             return first(place), second(place)
         values = [float(c) for c in place]
-        values += [getattr(math, wave.kind)(float(wave.argument(place))) for wave in self.waves]
+        values += [wave_value(wave.kind, float(wave.argument(place)), math) for wave in self.waves]
         return _float_value(first, values), _float_value(second, values)
+
+
+def wave_value(kind: str, argument: Any, library: ModuleType) -> Any:
+    """A function that is enclosed in floats, by a library; of roots of squares, which rounded may be negative, too."""
+    if kind not in (NORM, INVERSE):
+        return getattr(library, kind)(argument)
+    root = library.sqrt(abs(argument))
+    return root if kind == NORM else 1 / (root + np.finfo(float).tiny)
 
 
 def _float_value(polynomial: Polynomial, values: Sequence[float]) -> float:
@@ -128,7 +139,7 @@ def rate_values(field: StatedField, xs: Floats, ys: Floats) -> tuple[Floats, Flo
     values = [xs, ys]
     for wave in field.waves:
         argument = polynomial_values(wave.argument, xs, ys)
-        values.append(getattr(np, "arctan" if wave.kind == "atan" else wave.kind)(argument))
+        values.append(wave_value("arctan" if wave.kind == "atan" else wave.kind, argument, np))
     first, second = (_values(rate, values) for rate in field.rates)
     return first, second
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from math import inf, isfinite, nan, sqrt
 from typing import TypeAlias
 
@@ -26,7 +26,7 @@ from nonsmooth.analysis.fields.switched_field import (
     Velocity,
     affine_surface,
 )
-from nonsmooth.symbolic.formulas.enclosed_functions import NORM
+from nonsmooth.symbolic.formulas.enclosed_functions import INVERSE, NORM
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
 from nonsmooth.symbolic.numbers.number import Number
@@ -178,7 +178,9 @@ def _with_waves(
     values |= {wave.name: Polynomial.variable(system.field, variables, wave.name) for wave in waves}
     rates = _Polynomials([own.polynomial(values, sign_of_states) for own in formulas]).at
     inner = _Polynomials([system.argument_of(wave, states, sign_of) for wave in waves]).at
-    functions = [_root if wave.kind == NORM else getattr(math, wave.kind) for wave in waves]
+    nearest = (AT_POINT * system.check.half_width) ** 2
+    roots: dict[str, Callable[[float], float]] = {NORM: _root, INVERSE: partial(_inverse_root, nearest=nearest)}
+    functions = [roots.get(wave.kind) or getattr(math, wave.kind) for wave in waves]
 
     def at(*x: float) -> Numbers:
         return rates(*x, *[own(v) if isfinite(v) else nan for own, v in zip(functions, inner(*x), strict=True)])
@@ -189,6 +191,17 @@ def _with_waves(
 def _root(square: float) -> float:
     """The root of a sum of squares, which is multiplied out: rounded it may be below zero."""
     return sqrt(max(square, 0.0))
+
+
+def _inverse_root(square: float, nearest: float) -> float:
+    """One over the root of a sum of squares that is larger than the least one that counts.
+
+    Raises:
+        NoVelocityError: elsewhere.
+    """
+    if square <= nearest:
+        raise NoVelocityError("the field has no value where a root of a sum of squares in a denominator is zero")
+    return 1 / sqrt(square)
 
 
 def constant_system(system: SwitchedSystem) -> ConstantField | None:

@@ -147,7 +147,7 @@ def _with_waves(system: SwitchedSystem) -> list[list[str]]:
 
     The number of terms with irrational numbers is limited, and these may not stand beside switching functions.
     """
-    if system.rewriting.norms:
+    if system.rewriting.names_roots:
         return []
     terms = [list(_terms(side, system)) for side in system.rewriting.named_rhs]
     bounds = [own for side in terms for own, _ in side]

@@ -351,7 +351,7 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
     """Whether 0 is a mixture of the velocities at the point.
 
     Beside curved surfaces a pattern of signs may have no cell: then a mixture may be none of F, and nothing is claimed.
-    Nor is it where numbers are enclosed, unless all velocities vanish.
+    Nor is it where numbers or unit vectors are enclosed, unless all velocities vanish.
     """
     near = adjoining(cells)
     velocities = {tuple(scene.field(part.at_origin) for part in own) for cell in near for own in cell.velocities}
@@ -359,9 +359,8 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
     if best_mixture(columns, target, [scene.field.zero] * len(columns)) is None:
         return Equilibrium.FAILS
     at_rest = not any(map(any, velocities))
-    certain = at_rest or (
-        all(surface.degree == 1 for surface in cells.surfaces) and Enclosed.NUMBERS not in scene.rewriting.encloses
-    )
+    is_exact = {Enclosed.NUMBERS, Enclosed.UNITS}.isdisjoint(scene.rewriting.encloses)
+    certain = at_rest or (is_exact and all(surface.degree == 1 for surface in cells.surfaces))
     return Equilibrium.HOLDS if certain else Equilibrium.UNDECIDED
 
 

@@ -382,7 +382,7 @@ def find_energy_on_circles(system: SwitchedSystem) -> tuple[Record, str, str, bo
 
 def _angles(system: SwitchedSystem) -> tuple[str, ...]:
     """The states of which there are sines and cosines; none unless all of these are 0 at the point."""
-    if system.rewriting.norms:
+    if system.rewriting.names_roots:
         return ()
     try:
         arguments = [system.argument_of(wave) for wave in system.rewriting.names]

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from nonsmooth.analysis.fields.stated_field import StatedField
 from nonsmooth.reports.output.document import Math
-from nonsmooth.symbolic.formulas.enclosed_functions import NORM
+from nonsmooth.symbolic.formulas.enclosed_functions import INVERSE, NORM
 from nonsmooth.symbolic.formulas.surfaces import symbol_latex
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.printing import Summand, latex_sum, number_summands
@@ -63,6 +63,8 @@ def stated_math(field: StatedField, states: Sequence[str]) -> tuple[Math, ...]:
 
 
 def _wave_latex(kind: str, argument: str) -> str:
+    if kind == INVERSE:
+        return rf"\left({argument}\right)^{{-1/2}}"
     if kind == NORM:
         return rf"\sqrt{{{argument}}}"
     name = "arctan" if kind == "atan" else kind

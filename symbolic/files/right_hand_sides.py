@@ -21,9 +21,10 @@ from nonsmooth.symbolic.files.system_document import names_in, parameter_texts, 
 from nonsmooth.symbolic.formulas.cleared_fractions import Cleared, Clearing
 from nonsmooth.symbolic.formulas.enclosed_functions import Wave, enclosing_formulas, named_formulas
 from nonsmooth.symbolic.formulas.expression import formula_refused
-from nonsmooth.symbolic.formulas.norms import Norm, affine_in_norms, at_ends, named_norms, with_roots_in_text
+from nonsmooth.symbolic.formulas.norms import Bounded, Norm, affine_in_norms, at_ends, named_norms, with_roots_in_text
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.formulas.trees import ExpressionError, float_value, formula_tree, names_of
+from nonsmooth.symbolic.formulas.unit_vectors import UnitEntry, with_entries_by_inverse, with_unit_entries
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 
@@ -46,7 +47,8 @@ class RightHandSides:
             stated.
         names: what these names mean.
         norms: what those of norms mean, also where several lists are stated.
-        encloses_norms: whether there are bounds of norms in the formulas.
+        bounded: the kinds of names, ``sqrt`` of a norm and ``unit`` of an entry of a unit vector, of which there are
+            bounds in the formulas.
     """
 
     sides: tuple[Side, ...]
@@ -57,7 +59,7 @@ class RightHandSides:
     named: tuple[object, ...] = ()
     names: tuple[Wave, ...] = ()
     norms: tuple[Norm, ...] = ()
-    encloses_norms: bool = False
+    bounded: frozenset[str] = frozenset()
 
 
 def read_right_hand_sides(
@@ -92,23 +94,37 @@ def read_right_hand_sides(
         texts = {**values, **parameter_texts(corner, (), file)}
         here = [(key, tuple(with_parameters(f, texts) for f in formulas)) for key, formulas in stated.items()]
         lists += [own for own in here if own not in lists]  # a list that none of the intervals changes counts once
-    clearing, with_names = _with_norms(lists, clearing, point, intervals, file)
-    cleared, denominators, scale = _cleared(with_names, clearing, file)
-    between = _between_norms(cleared, clearing, file, order)
+    clearing, with_names, entries = _with_norms(lists, clearing, point, intervals, file)
+    norms = clearing.norms
+    cleared, denominators, scale = _cleared(with_names, clearing, (*norms, *entries), file)
+    between = _between_bounds(cleared, (*norms, *entries), clearing.states, order)
     sides, waves = _enclosed(between, clearing.states, file, order)
     if len(sides) > MAX_MEMBERS:
         expected = f"at most {MAX_MEMBERS} right-hand sides, with intervals at their ends and sines enclosed"
         raise SceneError(file, "system.rhs", expected, StatedFact(f"{len(sides)}"))
-    norms = clearing.norms
     written = tuple(tuple(map(str, formulas)) for _, formulas in lists) if waves or scale or norms else ()
     named: tuple[object, ...] = ()
     names: tuple[Wave, ...] = ()
     if (waves or norms) and len(cleared) == 1:
-        taken = clearing.states | {own.name for own in norms}
-        named, names = named_formulas(cleared[0][1], taken)
-    names = (*norms, *names) if named else ()
-    encloses = len(between) > len(cleared)
-    return RightHandSides(tuple(sides), written, tuple(waves), denominators, scale, named, names, norms, encloses)
+        by_inverse, inverses = with_entries_by_inverse(cleared[0][1], entries)
+        roots = [own for own in (*norms, *inverses) if own.name in _names_in((*by_inverse, scale))]
+        named, waves_in_named = named_formulas(by_inverse, clearing.states | {own.name for own in roots})
+        names = (*roots, *waves_in_named)
+    held = _names_in([formula for _, side in cleared for formula in side])
+    listed: list[Norm | UnitEntry] = [*norms, *entries]
+    bounded = {own.kind for own in listed if own.name in held and len(own.bounds(clearing.states)) > 1}
+    return RightHandSides(
+        tuple(sides), written, tuple(waves), denominators, scale, named, names, norms, frozenset(bounded)
+    )
+
+
+def _names_in(formulas: Iterable[object]) -> set[str]:
+    """All names in formulas; what cannot be read is refused elsewhere."""
+    found: set[str] = set()
+    for formula in formulas:
+        with suppress(ExpressionError):
+            found |= names_of(formula_tree(formula))
+    return found
 
 
 def _with_norms(
@@ -117,31 +133,35 @@ def _with_norms(
     point: Mapping[str, Fraction | None],
     intervals: Collection[str],
     file: str,
-) -> tuple[Clearing, list[Side]]:
-    """All lists with names in place of norms, and what these mean."""
+) -> tuple[Clearing, list[Side], tuple[UnitEntry, ...]]:
+    """All lists with names in place of norms and of entries of unit vectors, and what these mean."""
     try:
-        found, norms = named_norms([side for _, side in lists], point, clearing.states | set(intervals))
+        with_names, norms = named_norms([side for _, side in lists], point, clearing.states | set(intervals))
     except ExpressionError as error:
         raise SceneError(file, "system.rhs", requirement(error), StatedFact(_received(error))) from None
-    sides = [(key, side) for (key, _), side in zip(lists, found, strict=True)]
-    return replace(clearing, norms=norms), sides
+    found, entries = with_unit_entries(with_names, norms, clearing.states)
+    sides = [(key, tuple(side)) for (key, _), side in zip(lists, found, strict=True)]
+    return replace(clearing, norms=norms), sides, entries
 
 
-def _between_norms(lists: Sequence[Side], clearing: Clearing, file: str, order: int) -> list[Side]:
-    """All lists with every norm at either bound."""
-    norms, states = clearing.norms, clearing.states
-    if not norms:
+def _between_bounds(
+    lists: Sequence[Side], bounded: Sequence[Bounded], states: Collection[str], order: int
+) -> list[Side]:
+    """All lists with everything at either bound."""
+    if not bounded:
         return list(lists)
-    return [(key, tuple(own)) for key, side in lists for own in at_ends(side, norms, states, order)]
+    return [(key, tuple(own)) for key, side in lists for own in at_ends(side, bounded, states, order)]
 
 
-def _cleared(lists: Sequence[Side], clearing: Clearing, file: str) -> tuple[list[Side], tuple[str, ...], str]:
+def _cleared(
+    lists: Sequence[Side], clearing: Clearing, bounded: Sequence[Bounded], file: str
+) -> tuple[list[Side], tuple[str, ...], str]:
     """All lists without fractions, times one factor."""
     every = [formula for _, formulas in lists for formula in formulas]
     try:
         cleared = _affine(clearing.clear(every), clearing)
     except ExpressionError as error:
-        received = with_roots_in_text(_received(error), clearing.norms)
+        received = with_roots_in_text(_received(error), bounded)
         raise SceneError(file, _refused_key(lists, clearing), requirement(error), StatedFact(received)) from None
     rest = iter(cleared.formulas)
     return [(key, tuple(next(rest) for _ in side)) for key, side in lists], cleared.denominators, cleared.scale

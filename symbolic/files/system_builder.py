@@ -222,7 +222,7 @@ def _plain_system(
         names=sides.names,
         norms=sides.norms,
         order=order,
-        encloses=(Enclosed.NORMS,) if sides.encloses_norms else (),
+        encloses=tuple(own for own in Enclosed if own.kind in sides.bounded),
     )
     system = SwitchedSystem(
         name=document.name or path.stem,

@@ -58,7 +58,7 @@ WAVES = tuple(TERMS)
 ONE_AT_ZERO = ("cos", "exp")
 MAX_WAVES = 5  # in one right-hand side: two to this power polynomials
 _NUMBERS = {"pi", "sqrt", *WAVES}
-NORM = "sqrt"  # the kind of a norm (:mod:`nonsmooth.symbolic.formulas.norms`)
+NORM, INVERSE = "sqrt", "rsqrt"  # the kinds of a norm (:mod:`nonsmooth.symbolic.formulas.norms`), and of one over it
 LISTED = "sin, cos, tanh, atan and exp"
 
 
@@ -172,7 +172,7 @@ def kinds_text(waves: Iterable[Wave]) -> str:
     """What functions of states a system has, in words: of sines and cosines, which turn into each other, both."""
     found = {wave.kind for wave in waves}
     named = [kind for kind in WAVES if kind in found or (kind in TURNING and not found.isdisjoint(TURNING))]
-    *first, last = [*named, *(["roots of sums of squares"] if NORM in found else [])]
+    *first, last = [*named, *([] if found.isdisjoint((NORM, INVERSE)) else ["roots of sums of squares"])]
     return f"{', '.join(first)} and {last}" if first else last
 
 

@@ -24,12 +24,13 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise, product
 from math import isqrt, pi, sqrt, tan
+from typing import Protocol
 
 from nonsmooth.symbolic.formulas.enclosed_functions import NORM, Wave
 from nonsmooth.symbolic.formulas.expression import parse
@@ -71,6 +72,21 @@ RATIONAL = Interpretation(
 Square = tuple[Fraction, ast.expr]  # c and b of ``c b^2``
 
 
+class Bounded(Protocol):
+    """What a name in formulas stands for, with formulas between which it is."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def stated(self) -> ast.expr:
+        """As a formula of the states."""
+
+    def bounds(self, states: Collection[str], order: int = 0) -> tuple[ast.expr, ...]:
+        """A formula below and one above, or the one that it is."""
+
+
 @dataclass(frozen=True)
 class Norm(Wave):
     """The root of a sum of squares.
@@ -80,6 +96,26 @@ class Norm(Wave):
     """
 
     square: Fraction = Fraction(0)
+
+    @property
+    def stated(self) -> ast.expr:
+        """As a formula of the states."""
+        return called(NORM, formula_tree(self.argument))
+
+    def bounds(self, states: Collection[str], order: int = 0) -> tuple[ast.expr, ...]:
+        """A formula below and one above, equal where they are one: of a single square whose root is rational."""
+        squares = squares_in(formula_tree(self.argument), states) or []
+        if self.square:
+            return _beside_root(self, squares, order)
+        lower = _largest(squares, order, is_above=False)
+        upper = _largest(squares, order, is_above=True)
+        return (lower, upper) if written(lower) != written(upper) else (lower,)
+
+
+def exact_root(value: Fraction) -> ast.expr:
+    """The root of a number as a formula."""
+    root = root_beside(value, is_above=False)
+    return number(root) if root**2 == value else called(NORM, number(value))
 
 
 # ---- read ----------------------------------------------------------------------------------------
@@ -207,22 +243,22 @@ def with_norms(norms: Sequence[Wave], place: Mapping[str, float]) -> dict[str, f
     return {**place, **{name: sqrt(max(value, 0.0)) for name, value in values.items()}}
 
 
-def restored(tree: ast.expr, norms: Sequence[Wave]) -> ast.expr:
+def restored(tree: ast.expr, norms: Sequence[Bounded]) -> ast.expr:
     """A formula with roots in place of the names of norms."""
-    return with_names(tree, {own.name: called(NORM, formula_tree(own.argument)) for own in norms})
+    return with_names(tree, {own.name: own.stated for own in norms})
 
 
-def with_roots_in_text(text: str, norms: Sequence[Wave]) -> str:
+def with_roots_in_text(text: str, norms: Sequence[Bounded]) -> str:
     """A text about formulas with roots in place of the names of norms."""
     for own in norms:
-        text = re.sub(rf"\b{own.name}\b", f"{NORM}({own.argument})", text)
+        text = re.sub(rf"\b{own.name}\b", written(own.stated), text)
     return text
 
 
 # ---- affine in every norm ------------------------------------------------------------------------
 
 
-def affine_in_norms(formula: object, norms: Sequence[Wave]) -> object:
+def affine_in_norms(formula: object, norms: Sequence[Norm]) -> object:
     """A formula of states and names of norms that is affine in each of these; as it is where it holds none.
 
     Raises:
@@ -235,56 +271,60 @@ def affine_in_norms(formula: object, norms: Sequence[Wave]) -> object:
     if names_of(tree).isdisjoint(own.name for own in norms):
         return formula
     for own in norms:
-        without, factor = _affine(tree, own.name, formula_tree(own.argument), str(formula))
+        without, factor = affine_parts(tree, own.name, formula_tree(own.argument), str(formula))
         tree = total([without, multiplied(ast.Name(own.name), factor)])
     return written(tidied(tree))
 
 
-def _affine(node: ast.expr, name: str, square: ast.expr, text: str) -> tuple[ast.expr, ast.expr]:
-    """A and B of a part that is ``A + s B``, where ``s^2`` is known."""
+def affine_parts(node: ast.expr, name: str, square: ast.expr | None, text: str) -> tuple[ast.expr, ast.expr]:
+    """A and B of a part that is ``A + s B``, where ``s^2`` is known; or does not occur.
+
+    Raises:
+        ExpressionError: for any other part.
+    """
     if name not in names_of(node):
         return node, ZERO
     match node:
         case ast.Name():
             return ZERO, ONE
         case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
-            parts = _affine(node.operand, name, square, text)
+            parts = affine_parts(node.operand, name, square, text)
             first, second = map(minus, parts) if isinstance(node.op, ast.USub) else parts
             return first, second
         case ast.BinOp(op=ast.Add() | ast.Sub()):
-            join: Callable[..., ast.expr] = plus if isinstance(node.op, ast.Add) else _less
-            left, right = (_affine(side, name, square, text) for side in (node.left, node.right))
-            return join(left[0], right[0]), join(left[1], right[1])
+            (a, b), (c, d) = (affine_parts(side, name, square, text) for side in (node.left, node.right))
+            if isinstance(node.op, ast.Sub):
+                c, d = minus(c), minus(d)
+            return total([a, c]), total([b, d])
         case ast.BinOp(op=ast.Mult()):
-            (a, b), (c, d) = (_affine(side, name, square, text) for side in (node.left, node.right))
-            without = total([multiplied(a, c), multiplied(square, b, d)])
-            return without, total([multiplied(a, d), multiplied(b, c)])
+            (a, b), (c, d) = (affine_parts(side, name, square, text) for side in (node.left, node.right))
+            factor = total([multiplied(a, d), multiplied(b, c)])
+            if b is ZERO or d is ZERO:
+                return multiplied(a, c), factor
+            if square is not None:
+                return total([multiplied(a, c), multiplied(square, b, d)]), factor
         case ast.BinOp(op=ast.Div()) if name not in names_of(node.right):
-            without, factor = _affine(node.left, name, square, text)
-            return quotient(without, node.right), quotient(factor, node.right)
+            without, factor = affine_parts(node.left, name, square, text)
+            return quotient(without, node.right), ZERO if factor is ZERO else quotient(factor, node.right)
         case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(exponent))) if exponent > 1:
             product_ = multiplied(*[node.left] * exponent)
-            return _affine(product_, name, square, text)
+            return affine_parts(product_, name, square, text)
     raise ExpressionError(
         f"required roots such as {EXAMPLE} in sums, products and quotients only, received {shown(text)}"
     )
-
-
-def _less(left: ast.expr, right: ast.expr) -> ast.expr:
-    return plus(left, minus(right))
 
 
 # ---- between polyhedral norms --------------------------------------------------------------------
 
 
 def at_ends(
-    formulas: Sequence[object], norms: Sequence[Norm], states: Collection[str], order: int
+    formulas: Sequence[object], norms: Sequence[Bounded], states: Collection[str], order: int
 ) -> list[list[object]]:
     """Lists of formulas whose hull holds some that are affine in norms: with each of these at its bounds, all alike."""
     named = {own.name for own in norms}
     trees = [None if not isinstance(own, str) else formula_tree(own) for own in formulas]
     held = [own for own in norms if any(tree is not None and own.name in names_of(tree) for tree in trees)]
-    bounds = [bounds_of_norm(own, states, order) for own in held]
+    bounds = [own.bounds(states, order) for own in held]
     found = []
     for chosen in product(*bounds):
         meanings = dict(zip((own.name for own in held), chosen, strict=True))
@@ -297,16 +337,6 @@ def at_ends(
             ]
         )
     return found
-
-
-def bounds_of_norm(norm: Norm, states: Collection[str], order: int = 0) -> tuple[ast.expr, ...]:
-    """A formula below a norm and one above it, equal where they are one: of a single square whose root is rational."""
-    squares = squares_in(formula_tree(norm.argument), states) or []
-    if norm.square:
-        return _beside_root(norm, squares, order)
-    lower = _largest(squares, order, is_above=False)
-    upper = _largest(squares, order, is_above=True)
-    return (lower, upper) if written(lower) != written(upper) else (lower,)
 
 
 def _beside_root(norm: Norm, squares: Sequence[Square], order: int) -> tuple[ast.expr, ...]:
@@ -325,7 +355,7 @@ def _beside_root(norm: Norm, squares: Sequence[Square], order: int) -> tuple[ast
 def _largest(squares: Sequence[Square], order: int, *, is_above: bool) -> ast.expr:
     """The polyhedral norm below or above a norm."""
     vectors, least = directions(order if len(squares) <= PAIR else order - 1)
-    total_, *others = (multiplied(number(_root(c, is_above=is_above)), _size(base)) for c, base in squares)
+    total_, *others = (multiplied(number(root_beside(c, is_above=is_above)), _size(base)) for c, base in squares)
     for size in others:
         parts = [_weighted(vector, (total_, size), least if is_above else Fraction(1)) for vector in vectors]
         total_ = called("Max", *parts) if len(parts) > 1 else parts[0]
@@ -340,7 +370,7 @@ def _weighted(vector: tuple[Fraction, Fraction], sizes: tuple[ast.expr, ast.expr
     return total(multiplied(number(weight / least), size) for weight, size in zip(vector, sizes, strict=True))
 
 
-def _root(value: Fraction, *, is_above: bool) -> Fraction:
+def root_beside(value: Fraction, *, is_above: bool) -> Fraction:
     """A rational number at most, or at least, the square root of another one; the root where it is rational."""
     top, bottom = isqrt(value.numerator), isqrt(value.denominator)
     if Fraction(top, bottom) ** 2 == value:
@@ -364,7 +394,7 @@ def directions(order: int) -> tuple[tuple[tuple[Fraction, Fraction], ...], Fract
     for (a, b), (c, d) in pairwise(vectors):
         x, y = b - d, c - a  # where both are equal, of any length
         squared = (a * x + b * y) ** 2 / (x * x + y * y)
-        least = min(least, _root(squared, is_above=False))
+        least = min(least, root_beside(squared, is_above=False))
     return vectors, least
 
 

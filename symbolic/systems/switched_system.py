@@ -18,13 +18,14 @@ from itertools import product
 from math import ceil, floor, frexp, prod
 from typing import Any, ClassVar, Literal
 
-from nonsmooth.symbolic.formulas.enclosed_functions import Wave
+from nonsmooth.symbolic.formulas.enclosed_functions import INVERSE, NORM, Wave
 from nonsmooth.symbolic.formulas.expression import formula_refused
 from nonsmooth.symbolic.formulas.norms import Norm, at_ends, restored
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, no_sign, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in
 from nonsmooth.symbolic.formulas.surfaces import switching_factors
 from nonsmooth.symbolic.formulas.trees import multiplied, number, quotient, replaced, tidied, with_names, written
+from nonsmooth.symbolic.formulas.unit_vectors import UNIT
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
@@ -43,7 +44,13 @@ class Enclosed(StrEnum):
     """What has rational bounds, or bounds without roots, in place of itself in right-hand sides."""
 
     NORMS = "roots of sums of squares lie between formulas without any"
+    UNITS = "unit vectors lie between constants on sectors"
     NUMBERS = "irrational numbers lie between rational ones"
+
+    @property
+    def kind(self) -> str:
+        """The kind of the names that stand for it in formulas; empty for numbers."""
+        return {Enclosed.NORMS: NORM, Enclosed.UNITS: UNIT}.get(self, "")
 
 
 class UnknownSign(Exception):
@@ -128,6 +135,11 @@ class Rewriting:
     norms: tuple[Norm, ...] = ()
     order: int = 0
     encloses: tuple[Enclosed, ...] = ()
+
+    @property
+    def names_roots(self) -> bool:
+        """Whether some of the names are of roots of sums of squares."""
+        return any(own.kind in (NORM, INVERSE) for own in self.names)
 
     def stated_text(self, formula: PiecewiseExpression) -> str:
         """A formula of the states and of norms as people read it."""
@@ -380,7 +392,7 @@ def require_single(system: SwitchedSystem) -> None:
     if not system.has_one_field:
         raise _several(system)
     if system.others:
-        if Enclosed.NORMS in system.rewriting.encloses:
+        if not {Enclosed.NORMS, Enclosed.UNITS}.isdisjoint(system.rewriting.encloses):
             received = StatedFact(f"sqrt({system.rewriting.norms[0].argument})")
             raise SceneError(system.origin, "system.rhs", "formulas without roots of sums of squares", received)
         expected = "formulas without sin and cos of states" if system.rewriting.waves else ONE_SIDE

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from fractions import Fraction
 from random import Random
+from types import CodeType
 
 import numpy as np
 import pytest
@@ -13,11 +14,18 @@ from scipy.integrate import solve_ivp
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.system_certificates import certificate_text
-from nonsmooth.symbolic.formulas.norms import RATIONAL, affine_in_norms, bounds_of_norm, named_norms
+from nonsmooth.symbolic.formulas.norms import RATIONAL, affine_in_norms, named_norms
 from nonsmooth.symbolic.formulas.trees import float_value, formula_tree, written
+from nonsmooth.symbolic.formulas.unit_vectors import UnitEntry, with_unit_entries
 from tests.thorough import keep
 
 ATTRACTS, LEAVES = "asymptotically stable", "unstable"
+ATTRACTS_AND_NOT_SCALED = {
+    "y - 2*x/sqrt(x**2 + y**2) + z; -x - 2*y/sqrt(x**2 + y**2); -z + x": 1.0,  # the norm is zero on a line
+    "y; -y - 2*(x + y)/sqrt((x + y)**2)": 1.0,
+    "-x + y; x - 2*y/sqrt(y**2 + 9*z**2); x - 6*z/sqrt(y**2 + 9*z**2)": 1 / 64,
+    "-x/sqrt(x**2) + y; -y": 1.0,
+}
 N, OBLIQUE = "sqrt(x**2 + y**2)", "sqrt((x + y)**2 + 4*(x - 2*y)**2)"
 
 DECIDED = {
@@ -64,10 +72,10 @@ def test_a_norm_is_between_its_bounds(square: str, order: int) -> None:
     """In exact numbers, by the definition of a root; at the point both are what the norm is."""
     origin = dict.fromkeys("xyz", Fraction(0))
     _, (norm,) = named_norms([[f"sqrt({square})"]], origin, set("xyz"))
-    lower, upper = (RATIONAL.value(_without_root(own), origin) for own in bounds_of_norm(norm, set("xyz"), order))
+    lower, upper = (RATIONAL.value(_without_root(own), origin) for own in norm.bounds(set("xyz"), order))
     assert lower**2 == upper**2 == norm.square
     drawn, widths = Random(order), list[float]()
-    below, above = map(_without_root, bounds_of_norm(norm, set("xyz"), order))
+    below, above = map(_without_root, norm.bounds(set("xyz"), order))
     for _ in range(300):
         place = {name: rational(drawn) for name in "xyz"}
         exact = RATIONAL.value(formula_tree(square), place)
@@ -87,6 +95,55 @@ def _without_root(tree: ast.expr) -> ast.expr:
         text = text.replace(f"sqrt({square})", f"({root})")
     assert "sqrt" not in text
     return formula_tree(text)
+
+
+@pytest.mark.parametrize("square", ["x**2 + y**2", "x**2 + 9*(y - z)**2", "x**2 + y**2/4 + (x - z)**2"])
+def test_entries_of_unit_vectors_are_between_their_bounds(square: str) -> None:
+    point = dict.fromkeys("wxyz", Fraction(0))
+    lists, norms = named_norms([[f"-3*x/sqrt({square})"]], point, set("wxyz"))
+    ((formula,),), entries = with_unit_entries(lists, norms, set("wxyz"))
+    assert formula == f"-3*{entries[0].name}"
+    drawn = Random(square)
+    for _ in range(300):
+        place = {name: rational(drawn) for name in "wxyz"}
+        exact = RATIONAL.value(formula_tree(square), place)
+        for own in entries:
+            top = own.weight * RATIONAL.value(formula_tree(own.base), place) ** 2
+            side = RATIONAL.value(formula_tree(f"sign({own.base})"), place)
+            lower, upper = (side * RATIONAL.value(bound, place) for bound in own.bounds(set("wxyz")))
+            is_tied = any(exact_of(own, place) == exact_of(other, place) for other in entries if other is not own)
+            if top and not is_tied:
+                assert 0 <= lower <= upper
+                assert lower**2 * exact <= top <= upper**2 * exact
+
+
+def exact_of(entry: UnitEntry, place: dict[str, Fraction]) -> Fraction:
+    value: Fraction = entry.weight * RATIONAL.value(formula_tree(entry.base), place) ** 2
+    return value
+
+
+@pytest.mark.parametrize("text", keep(2, ATTRACTS_AND_NOT_SCALED))
+def test_unit_control_falls_as_fast_as_is_said(text: str) -> None:
+    """The derivative of V along the stated field at places of the domain, in floats."""
+    radius = ATTRACTS_AND_NOT_SCALED[text]
+    result = system(text, radius=str(Fraction(radius))).check()
+    assert result.verdict == ATTRACTS
+    certificate = result.certificate()
+    assert not refusal(certificate, len(certificate_text(certificate)))
+    (rate,) = (own["rate"] for own in certificate["statement"]["claims"] if "rate" in own)
+    names, noise = "xyz"[: text.count(";") + 1], np.random.default_rng(0)
+    field = compile(f"[{text.replace(';', ',')}]", "field", "eval")
+    value = compile(rate["function"], "V", "eval")
+    known = {"sqrt": np.sqrt, "Abs": np.abs, "Max": np.maximum, "Min": np.minimum, "sign": np.sign}
+
+    def at(code: CodeType, place: np.ndarray) -> np.ndarray:
+        return np.array(eval(code, known, dict(zip(names, place, strict=True))))  # noqa: S307
+
+    half, step = float(Fraction(rate["within"])), 1e-7
+    places = noise.uniform(-half, half, (len(names), 2_000))
+    speeds = at(field, places)
+    falls = (at(value, places + step * speeds) - at(value, places)) / step
+    assert (falls <= -float(Fraction(rate["kappa"])) * at(value, places) + 1e-5).all()
 
 
 def test_formulas_become_affine_and_keep_their_values() -> None:
@@ -139,10 +196,11 @@ def test_a_norm_that_cancels_leaves_an_exact_field() -> None:
     [
         ("y - x/sqrt(x**2 + y); -x", "or of a sum of squares"),
         (f"y - sign(1 - {N})*x; -y", r"system.rhs\[1\]: required roots such as .* received 'y - sign\(1 - sqrt"),
-        ("-x/sqrt(x**2); -y", "not zero at the checked point"),  # zero on an axis
+        ("-y/sqrt(x**2); -y", "not zero at the checked point"),  # zero on an axis
         (f"-x/{N}**3; -y/{N}**3", "proved bounded beside the point"),
         ("sqrt(x**2 + 1)*sqrt(x**2 + 2)*sqrt(x**2 + 3)*sqrt(y**2 + 4); -y", "at most 3 different roots"),
-        ("-x/sqrt(x**2 + y**2); -y/sqrt(x**2 + y**2); -z", "not zero at the checked point"),
+        ("-z/sqrt(x**2 + y**2); -y/sqrt(x**2 + y**2); -z", "not zero at the checked point"),
+        ("-x/(z + sqrt(x**2 + y**2)); -y; -z", "not zero at the checked point"),
     ],
 )
 def test_other_roots_and_other_places_are_refused(text: str, said: str) -> None:
@@ -160,6 +218,25 @@ def test_a_path_comes_to_the_point_when_its_distance_says(place: tuple[int, int]
     end = ns.System(["x", "y"], rhs, at=place).simulate(start=start, until=2).facts()["end"]
     assert end["state"] == pytest.approx(place, abs=1e-9)
     assert end["t"] == pytest.approx(0.5, abs=1e-8)
+    assert "denominator" in end["note"]
+
+
+def test_a_path_ends_where_the_norm_is_zero() -> None:
+    path = system("y - 2*x/S + z; -x - 2*y/S; -z + x".replace("S", N)).simulate(start=(0.3, 0.2, 0.5), until=3)
+    end = path.facts()["end"]
+
+    def field(t: float, state: np.ndarray) -> list[float]:
+        x, y, z = state
+        size = np.hypot(x, y)
+        return [y - 2 * x / size + z, -x - 2 * y / size, -z + x]
+
+    def near(t: float, state: np.ndarray) -> float:
+        return float(np.hypot(*state[:2]) - 1e-6)
+
+    near.terminal = True  # type: ignore[attr-defined]
+    other = solve_ivp(field, (0, 3), (0.3, 0.2, 0.5), events=near, rtol=1e-9, atol=1e-12)
+    assert end["t"] == pytest.approx(other.t_events[0][0], abs=1e-5)
+    assert end["state"] == pytest.approx(other.y[:, -1], abs=1e-5)
     assert "denominator" in end["note"]
 
 

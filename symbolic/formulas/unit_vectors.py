@@ -1,0 +1,229 @@
+"""Entries of unit vectors, ``x/sqrt(x**2 + y**2)``, whose norm is zero elsewhere than at the checked point, too.
+
+In unit control ``-sigma/abs(sigma)`` of several states (Gutman 1979, Utkin 1992) the norm is zero on a line or more: to
+divide it out would leave a field that rests there.  So the entries ``u_k = sqrt(c_k) b_k/s`` of the unit vector are put
+between constants.  Nothing is divided out, and velocities are those of the states.  What stands over s must be a sum of
+multiples of the b_k.  Where all b_k are zero, F holds what it holds beside that place.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import Ordering, fmpq, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx
+
+from nonsmooth.symbolic.formulas.enclosed_functions import INVERSE, NORM, Wave
+from nonsmooth.symbolic.formulas.norms import Norm, Square, affine_parts, exact_root, root_beside, squares_in
+from nonsmooth.symbolic.formulas.trees import (
+    ONE,
+    ZERO,
+    ExpressionError,
+    Interpretation,
+    called,
+    formula_tree,
+    minus,
+    multiplied,
+    names_of,
+    number,
+    plus,
+    quotient,
+    replaced,
+    tidied,
+    total,
+    with_names,
+    written,
+)
+
+UNIT = "unit"  # the kind of an entry
+SECOND = Fraction(71, 100)  # above the root of a half
+
+
+@dataclass(frozen=True)
+class UnitEntry(Wave):
+    """An entry ``sqrt(c_k) b_k/s`` of a unit vector, whose norm s is zero elsewhere than at the checked point, too.
+
+    Attributes:
+        weight: the number c_k.
+        base: b_k.
+        inverse: the name of ``1/s``.
+    """
+
+    weight: Fraction = Fraction(1)
+    base: str = ""
+    inverse: str = ""
+
+    @property
+    def stated(self) -> ast.expr:
+        """As a formula of the states."""
+        return quotient(self._top, called(NORM, formula_tree(self.argument)))
+
+    @property
+    def by_inverse(self) -> ast.expr:
+        """By the name of ``1/s``."""
+        return multiplied(self._top, ast.Name(self.inverse))
+
+    @property
+    def _top(self) -> ast.expr:
+        return multiplied(exact_root(self.weight), formula_tree(self.base))
+
+    def bounds(self, states: Collection[str], order: int = 0) -> tuple[ast.expr, ...]:
+        """Constants on the sectors in which each size is the largest: of m entries this one is at least 1/sqrt(m).
+
+        Another one is at most ``1/sqrt(2)``; all have the signs of their b.
+        """
+        squares = squares_in(formula_tree(self.argument), states) or []
+        side = called("sign", formula_tree(self.base))
+        if len(squares) == 1:
+            return (side,)
+        own, others = _size(self.weight, formula_tree(self.base)), [_size(c, base) for c, base in squares]
+        others = [other for other in others if written(other) != written(own)]
+        is_largest = multiplied(*[_is_larger(own, other) for other in others])
+        least = number(root_beside(Fraction(1, len(squares)), is_above=False))
+        upper = plus(number(SECOND), multiplied(number(1 - SECOND), is_largest))
+        return multiplied(side, least, is_largest), multiplied(side, upper)
+
+
+def _size(weight: Fraction, base: ast.expr) -> ast.expr:
+    return multiplied(exact_root(weight), called("Abs", base))
+
+
+def _is_larger(first: ast.expr, second: ast.expr) -> ast.expr:
+    """1 where a formula is larger than another one, 0 where it is smaller."""
+    return quotient(plus(ONE, called("sign", plus(first, minus(second)))), number(2))
+
+
+def with_unit_entries(
+    lists: Sequence[Sequence[object]], norms: Sequence[Norm], states: Collection[str]
+) -> tuple[list[list[object]], tuple[UnitEntry, ...]]:
+    """Formulas with names in place of entries of unit vectors, and what these mean.
+
+    Args:
+        lists: of formulas of the states and of names of norms.
+        norms: what these names mean.
+        states: their names.
+    """
+    found = [list(formulas) for formulas in lists]
+    entries: list[UnitEntry] = []
+    for norm in norms:
+        squares = squares_in(formula_tree(norm.argument), states) or []
+        if norm.square or not _is_zero_elsewhere(squares, states):
+            continue
+        inverse = f"inverse_{norm.name}"
+        own = [
+            UnitEntry(UNIT, norm.argument, f"unit_{k}_{norm.name}", c, written(base), inverse)
+            for k, (c, base) in enumerate(squares, 1)
+        ]
+        found = [[_with_entries(formula, norm, squares, own, states) for formula in formulas] for formulas in found]
+        entries += own
+    return found, tuple(entries)
+
+
+def with_entries_by_inverse(
+    formulas: Sequence[object], entries: Sequence[UnitEntry]
+) -> tuple[list[object], list[Wave]]:
+    """Formulas with the names of ``1/s`` in place of those of entries, and what these mean."""
+    meanings = {own.name: own.by_inverse for own in entries}
+    found: list[object] = []
+    for formula in formulas:
+        try:
+            tree = formula_tree(formula)
+        except ExpressionError:
+            found.append(formula)  # refused where formulas are read
+            continue
+        held = not names_of(tree).isdisjoint(meanings)
+        found.append(written(tidied(with_names(tree, meanings))) if held else formula)
+    inverses = {own.inverse: Wave(INVERSE, own.argument, own.inverse) for own in entries}
+    return found, list(inverses.values())
+
+
+def _is_zero_elsewhere(squares: Sequence[Square], states: Collection[str]) -> bool:
+    """Whether the zeros of a norm are known to be a line or more: all b are affine, and less than n are independent."""
+    bases = [_polynomial(base, states) for _, base in squares]
+    known = [own for own in bases if own is not None and own.total_degree() == 1]
+    slopes = [
+        [own.derivative(k).coefficient(0) if own.derivative(k) else 0 for k in range(len(states))] for own in known
+    ]
+    return len(known) == len(bases) and fmpq_mat(slopes).rank() < len(states)
+
+
+def _with_entries(
+    formula: object, norm: Norm, squares: Sequence[Square], entries: Sequence[UnitEntry], states: Collection[str]
+) -> object:
+    """A formula with entries of a unit vector; as it is where something else is divided by the norm."""
+
+    def change(node: ast.expr) -> ast.expr | None:
+        match node:
+            case ast.BinOp(left=left, op=ast.Div(), right=ast.Name(id=name)) if name == norm.name:
+                return multiplied(replaced(left, change), ast.Name(entries[0].inverse))
+        return None
+
+    try:
+        tree = replaced(formula_tree(formula), change)
+        without, over = affine_parts(tree, entries[0].inverse, None, str(formula))
+    except ExpressionError:
+        return formula  # refused where fractions are cleared
+    shares = None if over is ZERO else _shares(over, squares, states)
+    if shares is None:
+        return formula
+    parts = [
+        multiplied(quotient(share, exact_root(c)), ast.Name(own.name))
+        for share, (c, _), own in zip(shares, squares, entries, strict=True)
+    ]
+    return written(tidied(total([without, *parts])))
+
+
+def _shares(node: ast.expr, squares: Sequence[Square], states: Collection[str]) -> list[ast.expr] | None:
+    """Formulas m_k of which a formula is ``sum_k m_k b_k``; None where that is not seen."""
+    numbers = _combination(node, [base for _, base in squares], states)
+    if numbers is not None:
+        return [number(own) for own in numbers]
+    match node:
+        case ast.UnaryOp(op=ast.USub()):
+            inner = _shares(node.operand, squares, states)
+            return None if inner is None else list(map(minus, inner))
+        case ast.BinOp(op=ast.Add() | ast.Sub()):
+            left, right = (_shares(side, squares, states) for side in (node.left, node.right))
+            if left is None or right is None:
+                return None
+            signed = map(minus, right) if isinstance(node.op, ast.Sub) else right
+            return [total(pair) for pair in zip(left, signed, strict=True)]
+        case ast.BinOp(op=ast.Mult(), left=left_side, right=right_side):
+            for own, factor in ((left_side, right_side), (right_side, left_side)):
+                inner = _shares(own, squares, states)
+                if inner is not None:
+                    return [multiplied(share, factor) for share in inner]
+        case ast.BinOp(op=ast.Div()):
+            inner = _shares(node.left, squares, states)
+            return None if inner is None else [quotient(share, node.right) for share in inner]
+    return None
+
+
+def _combination(node: ast.expr, bases: Sequence[ast.expr], states: Collection[str]) -> list[Fraction] | None:
+    """The numbers by which a polynomial is a sum of multiples of some; None where it is none."""
+    whole, *parts = (_polynomial(own, states) for own in (node, *bases))
+    known = [part for part in parts if part is not None]
+    if whole is None or len(known) < len(bases):
+        return None
+    monomials = sorted({exponents for own in (whole, *known) for exponents in own.to_dict()})
+    columns = fmpq_mat([[own.to_dict().get(e, fmpq(0)) for own in known] for e in monomials])
+    right = fmpq_mat([[whole.to_dict().get(e, fmpq(0))] for e in monomials])
+    try:
+        found = (columns.transpose() * columns).solve(columns.transpose() * right)
+    except ZeroDivisionError:
+        return None
+    return [Fraction(int(own.p), int(own.q)) for own in found.entries()] if columns * found == right else None
+
+
+def _polynomial(node: ast.expr, states: Collection[str]) -> fmpq_mpoly | None:
+    """A formula as a polynomial in the states with rational coefficients; None for any other."""
+    names = tuple(sorted(states))
+    context = fmpq_mpoly_ctx.get(names, Ordering.lex)
+    meant = Interpretation(lambda value: context.constant(fmpq(value.numerator, value.denominator)), None, {})
+    try:
+        found = meant.value(node, dict(zip(names, context.gens(), strict=True)))
+    except (KeyError, TypeError, ArithmeticError, ValueError):
+        return None
+    return found if isinstance(found, fmpq_mpoly) else None
