@@ -270,11 +270,12 @@ def decide_by_cascade(point: CheckedPoint) -> Finding | None:
 def _blocks(point: CheckedPoint, *, jumping: bool) -> list[CascadeBlock]:
     """The blocks of a cascade; none where formulas cannot be used with other states at the point.
 
-    A field with a denominator that is zero at the point is not continuous there in any state, as theorems on parts ask.
+    A field with a denominator that is zero at the point is not continuous there in any state, as theorems on parts ask;
+    nor does one that divides by norms say in its formulas where it jumps.
     """
     from nonsmooth.proofs.parts import cascade
 
-    if point.system.vanishing:
+    if point.system.vanishing or point.system.rewriting.divides_by_norms:
         return []
     try:
         return list(cascade(point.system, jumping=jumping))

@@ -63,7 +63,7 @@ def prove_orbit(system: SwitchedSystem, orbit: Orbit) -> OrbitProof:
     """
     if not system.is_planar:
         return OrbitProof(None, "return maps are enclosed for two states only")
-    if system.others or system.only_encloses or system.by_roots is not None:
+    if system.others or system.only_encloses or system.rewriting.norms or system.by_roots is not None:
         return OrbitProof(None, "return maps are enclosed for one field of polynomials or of their quotients only")
     try:
         with precision():

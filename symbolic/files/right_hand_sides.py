@@ -49,6 +49,7 @@ class RightHandSides:
         norms: what those of norms mean, also where several lists are stated.
         bounded: the kinds of names, ``sqrt`` of a norm and ``unit`` of an entry of a unit vector, of which there are
             bounds in the formulas.
+        divides_by_norms: whether there are entries of unit vectors.
     """
 
     sides: tuple[Side, ...]
@@ -60,6 +61,7 @@ class RightHandSides:
     names: tuple[Wave, ...] = ()
     norms: tuple[Norm, ...] = ()
     bounded: frozenset[str] = frozenset()
+    divides_by_norms: bool = False
 
 
 def read_right_hand_sides(
@@ -114,7 +116,16 @@ def read_right_hand_sides(
     listed: list[Norm | UnitEntry] = [*norms, *entries]
     bounded = {own.kind for own in listed if own.name in held and len(own.bounds(clearing.states)) > 1}
     return RightHandSides(
-        tuple(sides), written, tuple(waves), denominators, scale, named, names, norms, frozenset(bounded)
+        tuple(sides),
+        written,
+        tuple(waves),
+        denominators,
+        scale,
+        named,
+        names,
+        norms,
+        frozenset(bounded),
+        divides_by_norms=any(own.name in held for own in entries),
     )
 
 

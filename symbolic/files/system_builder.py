@@ -223,6 +223,7 @@ def _plain_system(
         norms=sides.norms,
         order=order,
         encloses=tuple(own for own in Enclosed if own.kind in sides.bounded),
+        divides_by_norms=sides.divides_by_norms,
     )
     system = SwitchedSystem(
         name=document.name or path.stem,

@@ -13,8 +13,9 @@ polyhedral norms.  For sizes ``a, b >= 0`` and unit vectors ``u_j = (cos t_j, si
 
 where c is the least value of the left side on the quarter circle: it is on an axis, or where two neighbours are equal.
 A longer sum is taken pair by pair, as both sides grow with a and b.  With two vectors, (12, 5)/13 and (5, 12)/13, the
-bounds differ by a twelfth of the norm; the *order* says how often their number is doubled.  Longer sums begin with one,
-(7, 7)/10, whose bounds switch where a size is zero alone.  At the point both bounds are what the norm is.
+bounds differ by a twelfth of the norm; the *order* says how often their number is doubled.  In more than two states
+there is one at first, (7, 7)/10, whose bounds switch where a size is zero alone.  At the point both bounds are what the
+norm is.
 
 A formula is rewritten by ``s^2 = q`` until it is affine in every norm s, so its value lies in the hull of those with
 every norm at either bound, with the same bound wherever this norm stands, in all right-hand sides.
@@ -61,7 +62,7 @@ from nonsmooth.symbolic.messages.scene_error import shown
 EXAMPLE = "sqrt(x**2 + y**2)"
 NAMED = "norm_{}"
 MAX_NORMS = 3  # different ones: two to this power right-hand sides
-PAIR = 2
+PLANE = 2  # states
 ALIKE = Fraction(7, 10)  # both entries of a vector that is a little shorter than one
 SIMPLE = 10  # denominators of tangents
 FINE = 1 << 10  # of bounds of roots, which are rational where the roots are
@@ -103,13 +104,16 @@ class Norm(Wave):
         return called(NORM, formula_tree(self.argument))
 
     def bounds(self, states: Collection[str], order: int = 0) -> tuple[ast.expr, ...]:
-        """A formula below and one above, equal where they are one: of a single square whose root is rational."""
+        """A formula below and one above, or the one that it is: of a single square."""
         squares = squares_in(formula_tree(self.argument), states) or []
+        if len(squares) == 1:
+            ((c, base),) = squares
+            return (multiplied(exact_root(c), _size(base)),)
         if self.square:
             return _beside_root(self, squares, order)
-        lower = _largest(squares, order, is_above=False)
-        upper = _largest(squares, order, is_above=True)
-        return (lower, upper) if written(lower) != written(upper) else (lower,)
+        vectors = directions(order if len(states) <= PLANE else order - 1)
+        lower = _largest(squares, *vectors, is_above=False)
+        return lower, _largest(squares, *vectors, is_above=True)
 
 
 def exact_root(value: Fraction) -> ast.expr:
@@ -352,14 +356,15 @@ def _beside_root(norm: Norm, squares: Sequence[Square], order: int) -> tuple[ast
     return multiplied(root, lower), multiplied(root, upper)
 
 
-def _largest(squares: Sequence[Square], order: int, *, is_above: bool) -> ast.expr:
+def _largest(
+    squares: Sequence[Square], vectors: Sequence[tuple[Fraction, Fraction]], least: Fraction, *, is_above: bool
+) -> ast.expr:
     """The polyhedral norm below or above a norm."""
-    vectors, least = directions(order if len(squares) <= PAIR else order - 1)
-    total_, *others = (multiplied(number(root_beside(c, is_above=is_above)), _size(base)) for c, base in squares)
+    found, *others = (multiplied(number(root_beside(c, is_above=is_above)), _size(base)) for c, base in squares)
     for size in others:
-        parts = [_weighted(vector, (total_, size), least if is_above else Fraction(1)) for vector in vectors]
-        total_ = called("Max", *parts) if len(parts) > 1 else parts[0]
-    return total_
+        parts = [_weighted(vector, (found, size), least if is_above else Fraction(1)) for vector in vectors]
+        found = called("Max", *parts) if len(parts) > 1 else parts[0]
+    return found
 
 
 def _size(base: ast.expr) -> ast.expr:

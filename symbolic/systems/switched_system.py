@@ -124,6 +124,8 @@ class Rewriting:
         order: how many further terms of sines and cosines are taken
             (:mod:`nonsmooth.symbolic.formulas.enclosed_functions`), and how often bounds of norms get closer.
         encloses: what the right-hand sides have bounds of, beside waves.
+        divides_by_norms: whether stated formulas jump without a sign: where a norm that they divide by is zero beside
+            the checked point.
     """
 
     written: tuple[tuple[str, ...], ...] = ()
@@ -135,6 +137,7 @@ class Rewriting:
     norms: tuple[Norm, ...] = ()
     order: int = 0
     encloses: tuple[Enclosed, ...] = ()
+    divides_by_norms: bool = False
 
     @property
     def names_roots(self) -> bool:

@@ -66,20 +66,21 @@ def rational(drawn: Random) -> Fraction:
         "x**2 + y**2 + 9/4",
         "(x + 1)**2 + (y - 3/4)**2",
         "(3*x + 3)**2 + 16 + z**2",
+        "4*(x - y/3)**2",
+        "(x + 3/2)**2",
     ],
 )
 def test_a_norm_is_between_its_bounds(square: str, order: int) -> None:
     """In exact numbers, by the definition of a root; at the point both are what the norm is."""
     origin = dict.fromkeys("xyz", Fraction(0))
     _, (norm,) = named_norms([[f"sqrt({square})"]], origin, set("xyz"))
-    lower, upper = (RATIONAL.value(_without_root(own), origin) for own in norm.bounds(set("xyz"), order))
-    assert lower**2 == upper**2 == norm.square
+    ends = [_without_root(own) for own in norm.bounds(set("xyz"), order)]
+    assert {RATIONAL.value(own, origin) ** 2 for own in ends} == {norm.square}
     drawn, widths = Random(order), list[float]()
-    below, above = map(_without_root, norm.bounds(set("xyz"), order))
     for _ in range(300):
         place = {name: rational(drawn) for name in "xyz"}
         exact = RATIONAL.value(formula_tree(square), place)
-        lower, upper = (RATIONAL.value(own, place) for own in (below, above))
+        lower, upper = (RATIONAL.value(own, place) for own in (ends[0], ends[-1]))
         assert lower <= 0 or lower**2 <= exact
         assert upper >= 0
         assert upper**2 >= exact
