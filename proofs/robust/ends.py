@@ -51,7 +51,6 @@ BEYOND = 1.05  # of that distance: the disc of starts that is needed where bodie
 STARTS = (Fraction(1), Fraction(3, 4), Fraction(1, 2), Fraction(1, 4), Fraction(0))  # of a disc of starts
 DIGITS = 5  # decimals of a centre, below those of the accuracy
 DRIFT_STEPS = 160
-FEW_STEPS = 40  # the same under rule box, where each takes longer
 GROWTH = 1.5  # of the steps in time of a path
 NEWTON_STEPS = 12
 STILL = 2.0**-20  # of the fastest wheel: a path so slow is at rest
@@ -314,12 +313,12 @@ def _centres(scene: Scene, velocity: Velocity, accuracy: Fraction) -> Iterator[P
 
 
 def _proposed(scene: Scene, velocity: Velocity, size: float, still: float) -> Iterator[Floats | None]:
-    if scene.contact.rule not in {"nearest", "box"}:
-        yield _zero(velocity, size, scene.check.half_width)
-        yield _end_of_stiff_path(velocity, size, scene.check.half_width)
+    most = scene.check.half_width
+    yield np.zeros(2) if scene.contact.rule in {"nearest", "box"} else _zero(velocity, size, most)
+    if scene.contact.rule == "nearest":
+        yield _end_of_path(velocity, size, still)
     else:
-        yield np.zeros(2)
-        yield _end_of_path(velocity, size, still, FEW_STEPS if scene.contact.rule == "box" else DRIFT_STEPS)
+        yield _end_of_stiff_path(velocity, size, most)
     yield np.zeros(2)
 
 
@@ -387,11 +386,11 @@ def _zero(velocity: Velocity, size: float, most: float) -> Floats | None:
     return None
 
 
-def _end_of_path(velocity: Velocity, size: float, still: float, steps: int) -> Floats | None:
+def _end_of_path(velocity: Velocity, size: float, still: float) -> Floats | None:
     """Where steps along the field lead that become shorter whenever it turns back; None where they lead away."""
     place, step = np.zeros(2), size / 2
     before = np.zeros(2)
-    for _ in range(steps):
+    for _ in range(DRIFT_STEPS):
         now = velocity(place)
         speed = norm(now)
         if not np.isfinite(speed):
