@@ -32,8 +32,9 @@ from nonsmooth.proofs.clauses.translation.at_point import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.findings import Equilibrium, Translation
-from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends, ends_at_point
+from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends
 from nonsmooth.proofs.robust.rest_points import DISCS, NO_FARTHER, attracting_disc, is_carried_away
+from nonsmooth.proofs.robust.touching_rings import FINEST
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, contact_set
 from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
@@ -175,7 +176,8 @@ def homecoming(scene: Scene) -> Nearness:
         return Nearness()
     kept, array = contact_set(scene), alone(scene).recentred()
     with either_way(scene.field):
-        ends, rest = ends_at_point(array, scene.accuracy, kept), enclosed_rest(array)
+        ends = decide_ends(array, scene.accuracy, rests=True, kept=kept, finer=(), finest=())
+        rest = enclosed_rest(array)
         attracts = rest is not None and rest.stability is Translation.ASYMPTOTICALLY_STABLE
         home = _home_disc(rest, array, scene.accuracy, ends, kept) if rest is not None and attracts else None
     return Nearness(ends if ends is not None and ends.is_near else None, home=home)
@@ -238,7 +240,8 @@ def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearnes
     if turning is not None:
         return Nearness(turning=turning)
     leaving = _leaving(array, accuracy, kept) if may_move else None
-    ends = decide_ends(array, accuracy, rests=rests, kept=kept, finely=leaving is None)
+    finest = FINEST if leaving is None else ()
+    ends = decide_ends(array, accuracy, rests=rests, kept=kept, finest=finest)
     if asked.place is not None:
         return _beside_a_rest(asked.place, array, accuracy, ends, kept)
     if ends is None and leaving is not None:

@@ -104,7 +104,8 @@ def decide_ends(
     *,
     rests: bool = False,
     kept: ContactSet | None = None,
-    finely: bool = True,
+    finer: Sequence[int] = FINER,
+    finest: Sequence[int] = FINEST,
 ) -> Ends | None:
     """Where bodies end that start near the point of a centred scene; None where that is not shown.
 
@@ -113,7 +114,8 @@ def decide_ends(
         accuracy: a length.
         rests: whether a body at the point is known to stay there, so that no other place is looked for.
         kept: how far a body with an outline may move and turn on the same wheels.
-        finely: whether rings that are not shown are looked at in the finest pieces, which takes longest.
+        finer: into how many parts a ring is divided that is not shown whole.
+        finest: the same about places that seem to attract, which takes longest.
     """
     if len(scene.wheels) > MOST_WHEELS:
         return None
@@ -123,7 +125,7 @@ def decide_ends(
     keeps, ellipses = kept or ContactSet(()), []
     for centre in [(Fraction(0), Fraction(0))] if rests else _centres(scene, velocity, accuracy):
         for shape in _shapes(scene, velocity, centre, accuracy):
-            found = _about(scene, centre, shape, accuracy, keeps)
+            found = _about(scene, centre, shape, accuracy, keeps, finer)
             if isinstance(found, Ends):
                 if found.is_near:
                     return found
@@ -131,17 +133,7 @@ def decide_ends(
                 break
             if found is _Open.RINGS and not isinstance(shape, Distance):
                 ellipses.append((centre, shape))
-    return away or (_in_smaller_pieces(scene, ellipses, accuracy, keeps) if finely else None)
-
-
-def ends_at_point(scene: Scene, accuracy: Fraction, kept: ContactSet) -> Ends | None:
-    """The same about the point of a centred scene that attracts, by the first rings alone, each in one piece."""
-    velocity = velocity_of(scene) if len(scene.wheels) <= MOST_WHEELS else None
-    if velocity is None:
-        return None
-    centre = Fraction(0), Fraction(0)
-    found = _about(scene, centre, next(_shapes(scene, velocity, centre, accuracy)), accuracy, kept, ())
-    return found if isinstance(found, Ends) else None
+    return away or (_in_smaller_pieces(scene, ellipses, accuracy, keeps, finest) if finest else None)
 
 
 def _in_smaller_pieces(
@@ -149,13 +141,14 @@ def _in_smaller_pieces(
     ellipses: Sequence[tuple[Place, LevelFunction]],
     accuracy: Fraction,
     keeps: ContactSet,
+    finest: Sequence[int],
 ) -> Ends | None:
     """About places that seem to attract, once more.
 
     Where rings are shown then, and bodies may come onto other wheels on their way, other rings would not keep them.
     """
     for centre, shape in ellipses:
-        found = _about(scene, centre, shape, accuracy, keeps, FINEST)
+        found = _about(scene, centre, shape, accuracy, keeps, finest)
         if found is not _Open.RINGS:
             return found if isinstance(found, Ends) else None
     return None
@@ -186,7 +179,7 @@ def _about(
     shape: LevelFunction,
     accuracy: Fraction,
     kept: ContactSet,
-    finer: Sequence[int] = FINER,
+    finer: Sequence[int],
 ) -> Ends | _Open:
     """What rings about a centre show; ``finer``: into how many parts one is divided that is not shown whole."""
     x, y = (scene.field.rational(entry) for entry in centre)
