@@ -51,23 +51,6 @@ LOAD_SHARES = (Fraction(1), Fraction(7, 8), Fraction(1, 2))  # of the way from t
 
 
 @dataclass(frozen=True)
-class HomeDisc:
-    """Starts that come to a place of rest which only rounding tells from the point.
-
-    Attributes:
-        ends_within: a distance from the point beyond that of the place (length).
-        within: radius of the disc of starts (length).
-        swings_out_to: a distance from the point that no body from there exceeds (length).
-        after: time after which bodies are nearer than the first, and stay (time).
-    """
-
-    ends_within: Fraction
-    within: Fraction
-    swings_out_to: Fraction
-    after: Fraction
-
-
-@dataclass(frozen=True)
 class Turning:
     """A place beside the point about which bodies turn, of which rims that do not slip fix the twist.
 
@@ -95,8 +78,8 @@ class Nearness:
         is_from_point: whether the body that starts at the point itself is one of these.
         rests_within: a distance from the point, no more than rounding, within which all members of what was rounded
             have one place of rest each, which attracts; None where that is not shown.
-        home: the disc of starts that come to that place, or to the point, and how long it takes them to come that
-            near; None where none is shown.
+        home: the disc of starts that come to that place, or to the point: ``ends_within`` is a distance from the point
+            beyond that of the place, and ``after`` how long it takes them to come that near; None where none is shown.
         turning: how bodies turn about a place beside the point; None where they are not shown to.
         is_of_one_load: whether this is shown under one of the loads that a scene leaves open.
         why_not: what stands in the way of following bodies farther; empty where nothing does.
@@ -107,7 +90,7 @@ class Nearness:
     thrown_out_from: Fraction | None = None
     is_from_point: bool = False
     rests_within: Fraction | None = None
-    home: HomeDisc | None = None
+    home: Ends | None = None
     turning: Turning | None = None
     is_of_one_load: bool = False
     why_not: str = ""
@@ -327,7 +310,7 @@ def _beside_a_rest(
 
 def _home_disc(
     rest: EnclosedRest, scene: Scene, accuracy: Fraction, ends: Ends | None, kept: ContactSet
-) -> HomeDisc | None:
+) -> Ends | None:
     """Where bodies from the disc of starts come into one that attracts to the place of rest; without an outline."""
     if kept.margin is not None:
         return None
@@ -335,11 +318,13 @@ def _home_disc(
     disc = attracting_disc(rest, [*([] if near is None else [near]), *(share * accuracy for share in DISCS)])
     if disc is None:
         return None
-    there = 2 * rest.distance
+    there, point = 2 * rest.distance, (Fraction(0), Fraction(0))
     if ends is not None and near is not None and near <= disc.radius:
         swing = max(ends.swings_out_to, disc.swing)
-        return HomeDisc(there, ends.within, swing, ends.after + disc.time_to(there, near))
-    return HomeDisc(there, disc.radius, disc.swing, disc.time_to(there, disc.radius)) if disc.radius > there else None
+        return Ends(there, ends.within, swing, ends.after + disc.time_to(there, near), point, there)
+    if disc.radius <= there:
+        return None
+    return Ends(there, disc.radius, disc.swing, disc.time_to(there, disc.radius), point, there)
 
 
 def _is_thrown_out(asked: _Asked, array: Scene) -> bool:

@@ -295,9 +295,8 @@ def _standing(scene: Scene) -> float:
 def _centres(scene: Scene, velocity: Velocity, accuracy: Fraction) -> Iterator[Place]:
     """The point itself, a zero of the field near it, and where a path from it ends."""
     size = float(accuracy)
-    still = STILL * scene.fastest
     seen: list[Floats] = []
-    for place in _proposed(scene, velocity, size, still):
+    for place in _proposed(scene, velocity, size):
         if place is not None and all(np.hypot(*(place - other)) > size / 64 for other in seen):
             seen.append(place)
             unit = Fraction(10) ** (math.floor(math.log10(size)) - DIGITS)
@@ -305,11 +304,11 @@ def _centres(scene: Scene, velocity: Velocity, accuracy: Fraction) -> Iterator[P
             yield x, y
 
 
-def _proposed(scene: Scene, velocity: Velocity, size: float, still: float) -> Iterator[Floats | None]:
+def _proposed(scene: Scene, velocity: Velocity, size: float) -> Iterator[Floats | None]:
     most = scene.check.half_width
     yield np.zeros(2) if scene.contact.rule in {"nearest", "box"} else _zero(velocity, size, most)
     if scene.contact.rule == "nearest":
-        yield _end_of_path(velocity, size, still)
+        yield _end_of_path(velocity, size, STILL * scene.fastest)
     else:
         yield _end_of_stiff_path(velocity, size, most)
     yield np.zeros(2)

@@ -65,8 +65,6 @@ def rings_about(
         from nonsmooth.proofs.robust.nearest import why_not_nearest
 
         return None if why_not_nearest(scene) else _of_cells(scene, most)
-    if scene.contact.loads_are_unknown:
-        return None
     return _of_forces(scene, most, through, least, shape or Distance(), finer, useful)
 
 
