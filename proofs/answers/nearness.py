@@ -32,8 +32,9 @@ from nonsmooth.proofs.clauses.translation.at_point import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.findings import Equilibrium, Translation
-from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends, ends_at_point
+from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends
 from nonsmooth.proofs.robust.rest_points import DISCS, NO_FARTHER, attracting_disc, is_carried_away
+from nonsmooth.proofs.robust.touching_rings import FINEST
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, contact_set
 from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
@@ -47,23 +48,6 @@ from nonsmooth.symbolic.numbers.rounded import either_way
 FOLLOWED = {"nearest", "box", "ellipse", "roller", MIXED}  # rules whose motions are enclosed
 TURNING = (8, 4, 2, 1)  # radii in which bodies may turn about a place beside the point, over the accuracy
 LOAD_SHARES = (Fraction(1), Fraction(7, 8), Fraction(1, 2))  # of the way from the load of equal springs to another one
-
-
-@dataclass(frozen=True)
-class HomeDisc:
-    """Starts that come to a place of rest which only rounding tells from the point.
-
-    Attributes:
-        ends_within: a distance from the point beyond that of the place (length).
-        within: radius of the disc of starts (length).
-        swings_out_to: a distance from the point that no body from there exceeds (length).
-        after: time after which bodies are nearer than the first, and stay (time).
-    """
-
-    ends_within: Fraction
-    within: Fraction
-    swings_out_to: Fraction
-    after: Fraction
 
 
 @dataclass(frozen=True)
@@ -94,8 +78,8 @@ class Nearness:
         is_from_point: whether the body that starts at the point itself is one of these.
         rests_within: a distance from the point, no more than rounding, within which all members of what was rounded
             have one place of rest each, which attracts; None where that is not shown.
-        home: the disc of starts that come to that place, or to the point, and how long it takes them to come that
-            near; None where none is shown.
+        home: the disc of starts that come to that place, or to the point: ``ends_within`` is a distance from the point
+            beyond that of the place, and ``after`` how long it takes them to come that near; None where none is shown.
         turning: how bodies turn about a place beside the point; None where they are not shown to.
         is_of_one_load: whether this is shown under one of the loads that a scene leaves open.
         why_not: what stands in the way of following bodies farther; empty where nothing does.
@@ -106,7 +90,7 @@ class Nearness:
     thrown_out_from: Fraction | None = None
     is_from_point: bool = False
     rests_within: Fraction | None = None
-    home: HomeDisc | None = None
+    home: Ends | None = None
     turning: Turning | None = None
     is_of_one_load: bool = False
     why_not: str = ""
@@ -175,7 +159,8 @@ def homecoming(scene: Scene) -> Nearness:
         return Nearness()
     kept, array = contact_set(scene), alone(scene).recentred()
     with either_way(scene.field):
-        ends, rest = ends_at_point(array, scene.accuracy, kept), enclosed_rest(array)
+        ends = decide_ends(array, scene.accuracy, rests=True, kept=kept, finer=(), finest=())
+        rest = enclosed_rest(array)
         attracts = rest is not None and rest.stability is Translation.ASYMPTOTICALLY_STABLE
         home = _home_disc(rest, array, scene.accuracy, ends, kept) if rest is not None and attracts else None
     return Nearness(ends if ends is not None and ends.is_near else None, home=home)
@@ -238,7 +223,8 @@ def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearnes
     if turning is not None:
         return Nearness(turning=turning)
     leaving = _leaving(array, accuracy, kept) if may_move else None
-    ends = decide_ends(array, accuracy, rests=rests, kept=kept, finely=leaving is None)
+    finest = FINEST if leaving is None else ()
+    ends = decide_ends(array, accuracy, rests=rests, kept=kept, finest=finest)
     if asked.place is not None:
         return _beside_a_rest(asked.place, array, accuracy, ends, kept)
     if ends is None and leaving is not None:
@@ -324,7 +310,7 @@ def _beside_a_rest(
 
 def _home_disc(
     rest: EnclosedRest, scene: Scene, accuracy: Fraction, ends: Ends | None, kept: ContactSet
-) -> HomeDisc | None:
+) -> Ends | None:
     """Where bodies from the disc of starts come into one that attracts to the place of rest; without an outline."""
     if kept.margin is not None:
         return None
@@ -332,11 +318,13 @@ def _home_disc(
     disc = attracting_disc(rest, [*([] if near is None else [near]), *(share * accuracy for share in DISCS)])
     if disc is None:
         return None
-    there = 2 * rest.distance
+    there, point = 2 * rest.distance, (Fraction(0), Fraction(0))
     if ends is not None and near is not None and near <= disc.radius:
         swing = max(ends.swings_out_to, disc.swing)
-        return HomeDisc(there, ends.within, swing, ends.after + disc.time_to(there, near))
-    return HomeDisc(there, disc.radius, disc.swing, disc.time_to(there, disc.radius)) if disc.radius > there else None
+        return Ends(there, ends.within, swing, ends.after + disc.time_to(there, near), point, there)
+    if disc.radius <= there:
+        return None
+    return Ends(there, disc.radius, disc.swing, disc.time_to(there, disc.radius), point, there)
 
 
 def _is_thrown_out(asked: _Asked, array: Scene) -> bool:

@@ -19,7 +19,7 @@ from nonsmooth.proofs.answers.answer import (
     has_dynamics,
     is_by_rounding,
 )
-from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, Turning, homecoming, nearness
+from nonsmooth.proofs.answers.nearness import Nearness, Turning, homecoming, nearness
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation, mass_words
@@ -177,7 +177,7 @@ def _coming_beside(
 ) -> Iterator[Fact]:
     """To the place of rest that only rounding tells from the point, from close by; and from how far near it."""
     home, beside = looked.home, at_most(rests_within)
-    there = Fraction(at_most(rests_within if home is None else home.ends_within))
+    there = Fraction(at_most(rests_within if home is None else home.about))
     yield from _place(scene, Quantity(there), (Fraction(0), Fraction(0)))
     yield from _from_discs(looked, unit, f", to a place of rest within {beside}{unit} of the point, {ONLY_ROUNDING}")
     yield Fact("after", Quantity(None if home is None else Fraction(at_most(home.after))))
@@ -198,7 +198,7 @@ def _from_discs(looked: Nearness, unit: str, goal: str = "") -> Iterator[Fact]:
     yield Fact("swings_out_to", Quantity(None)) if home is None else _swing(home, unit)
 
 
-def _swing(disc: Ends | HomeDisc, unit: str) -> Fact:
+def _swing(disc: Ends, unit: str) -> Fact:
     """How far bodies from a disc get on their way, where that is farther than its border."""
     farther = disc.swings_out_to > disc.within
     most = at_most(disc.swings_out_to) if farther else at_least(disc.within)

@@ -13,9 +13,8 @@ makes it a bound of ``lambda g . c'``.
 Loads are affine in c.  So forces at the corners of a polygon, mixed, are forces at each of its points, and where G is
 affine on it the bounds at the corners, with one ``xi^`` and one lambda, mixed, bound ``lambda g . c'`` all over it.
 
-Floats find the forces, with the minimizer (:mod:`nonsmooth.analysis.minimizers.sum_of_supports`), or under rule ``box``
-by Newton's method on D with its edges rounded (whose gradient is a force inside the limits, whatever the rounding);
-intervals bound what follows.  The twist itself is bounded by ``D(xi) <= D(0)``.
+Floats find the forces, with the minimizer (:mod:`nonsmooth.analysis.minimizers.sum_of_supports`); intervals bound what
+follows.  The twist itself is bounded by ``D(xi) <= D(0)``.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ from flint import arb, arb_mat, ctx
 from nonsmooth.analysis.cells.contact_rule import friction_sets
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.symbolic.mechanics.contact_states import inner
-from nonsmooth.symbolic.mechanics.friction_set import Box, float_sets, joined
+from nonsmooth.symbolic.mechanics.friction_set import Box, FrictionSets, UnitDiscs, float_sets, joined
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import MeasuredTable, load_model
@@ -42,7 +41,6 @@ from nonsmooth.symbolic.numbers.plane_arrays import (
     Floats,
     cross,
     finite_rows,
-    max_norms,
     norm,
     norms,
     point_velocities,
@@ -55,14 +53,9 @@ PRECISION = 128  # bits of the balls
 SHARES = (0.25, 0.6, 0.1)  # of the friction of all wheels, by which bodies are pulled
 STRENGTHS = (0.1, 0.03, 0.01, 0.003, 0.001, 0.0003)  # the same, where that is to slow them little
 INSIDE = 1 - 2.0**-40  # of its limit: the largest friction force that is proposed
-ROUNDINGS = tuple(2.0**-k for k in range(3, 25, 3))  # of the fastest surface: slips over which edges are rounded
-STEPS = 16  # of Newton's method for each of them
+ROUNDING = 2.0**-24  # of the fastest surface: slips over which edges of D are rounded where it is differentiated
 PASSES = 30  # of multipliers, for pulls that smoothing does not finish: most of them are beyond all friction
-SETTLED = 2.0**-46  # of all friction: a gradient that counts as zero
-NEARLY = 2.0**-20  # the same for all roundings but the last
-LONGEST = 4.0  # step, in speeds of the fastest surface
 TINY, HUGE = 2.0**-1000, 2.0**300
-HALVINGS = 12  # of a step
 
 
 def _enclosed(numbers: Sequence[Number]) -> Intervals:
@@ -166,74 +159,39 @@ class BalancedForces:
         """About the velocities ``v + omega J c`` of the centre of mass at places, (m, 2)."""
         return point_velocities(self.minimizers(places) / (1, 1, self.length), places)
 
-    def against(self, places: Floats, pulls: Floats, start: Floats | None = None) -> Balanced:
+    @cached_property
+    def _discs(self) -> tuple[Floats, Floats, FrictionSets]:
+        """Maps, targets and sets of a sum of support functions that is D, of slips in units of the fastest surface.
+
+        A disc for each wheel; where forces along and across have limits of their own two, of each of which one row is
+        left: the sum of two segments is a box.
+        """
+        halves = np.stack([self.sets.along, self.sets.across], axis=1)
+        maps = halves[:, :, None] * np.stack(self._float_rows, axis=1)
+        targets = halves * np.stack([speed.middle for speed in self.speeds], axis=1) / self.fastest
+        if not isinstance(self.sets, Box):
+            return maps, targets, self.sets.searched(self.sets.cut)
+        maps, targets = (_row_by_row(entries) for entries in (maps, targets))
+        return maps, targets, UnitDiscs(np.ones(len(maps)))
+
+    def against(self, places: Floats, pulls: Floats) -> Balanced:
         """About where ``D - G . xi`` is least.
 
         Args:
             places: of the body (m, 2).
             pulls: G (m, 3).
-            start: where the search under rule ``box`` begins (m, 3).
         """
-        loads = self.float_loads(places)
-        if isinstance(self.sets, Box):
-            twists = np.zeros((len(places), 3)) if start is None else start.copy()
-            for rounding in ROUNDINGS:
-                settled = SETTLED if rounding == ROUNDINGS[-1] else NEARLY
-                twists = self._newton(twists, loads, pulls, rounding * self.fastest, settled)
-            return Balanced(twists, self.forces(twists))
         from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 
-        halves = np.stack([self.sets.along, self.sets.across], axis=1)
-        maps = halves[:, :, None] * np.stack(self._float_rows, axis=1)
-        targets = halves * np.stack([speed.middle for speed in self.speeds], axis=1) / self.fastest
-        sets = self.sets.searched(self.sets.cut)
-        y, shares = by_smoothing(np.maximum(loads, 0.0), maps, targets, sets, PASSES, pulls)
-        along, across = np.moveaxis(INSIDE * halves * shares, -1, 0)
-        return Balanced(self.fastest * y, (along, across))
-
-    def _newton(self, twists: Floats, loads: Floats, pulls: Floats, width: float, settled: float) -> Floats:
-        """Newton's method on the rounded D; a step is halved while the gradient along it does not point back."""
-        open_ones = np.arange(len(twists))
-        scale = loads.sum(axis=1).mean() * float(self.sets.along.max())
-        for _ in range(STEPS):
-            now, load, pull = twists[open_ones], loads[open_ones], pulls[open_ones]
-            gradient, slope = self._gradient(now, load, pull, width, hessian=True)
-            trace = np.trace(slope, axis1=1, axis2=2)[:, None, None]
-            slope = slope + (2.0**-36 * trace + 2.0**-60 * scale / self.fastest) * np.eye(3)
-            step = -np.linalg.solve(slope, gradient[:, :, None])[:, :, 0]
-            # far away D has no curvature, and steps would lead farther still
-            length = np.maximum(np.abs(step).max(axis=1, keepdims=True), TINY)
-            size = np.minimum(LONGEST * self.fastest, length) / length
-            # D is convex along the step: its slope there must not be steeper ahead than it was behind
-            steepest = 0.5 * np.abs(row_products(gradient, step)) + 2.0**-44 * scale * np.abs(step).sum(axis=1)
-            long = np.arange(len(now))
-            for _ in range(HALVINGS):
-                ahead, _ = self._gradient((now + size * step)[long], load[long], pull[long], width, hessian=False)
-                long = long[row_products(ahead, step[long]) > steepest[long]]
-                if not len(long):
-                    break
-                size[long] /= 2
-            twists[open_ones] = now + size * step
-            left = max_norms(gradient) > settled * scale
-            open_ones = open_ones[left]
-            if not len(open_ones):
-                break
-        return twists
-
-    def _gradient(
-        self, twists: Floats, loads: Floats, pulls: Floats, width: float, *, hessian: bool
-    ) -> tuple[Floats, Floats]:
-        """Of the rounded ``D - G . xi``, (m, 3), and its derivative (m, 3, 3)."""
-        along, across = self._float_rows
-        r, s = self.slips(twists)
-        f, g = self.sets.rounded_gradient(r, s, self.sets.along * width)
-        gradient = (loads * f) @ along + (loads * g) @ across - pulls
-        if not hessian:
-            return gradient, gradient
-        by_r, mixed, by_s = (loads * entry for entry in self.sets.rounded_hessian(r, s, self.sets.along * width))
-        slope = np.einsum("mw,wi,wj->mij", by_r, along, along) + np.einsum("mw,wi,wj->mij", by_s, across, across)
-        both = np.einsum("mw,wi,wj->mij", mixed, along, across)
-        return gradient, slope + both + both.transpose(0, 2, 1)
+        maps, targets, sets = self._discs
+        loads = np.maximum(self.float_loads(places), 0.0)
+        weights = np.tile(loads, len(maps) // loads.shape[1])
+        y, shares = by_smoothing(weights, maps, targets, sets, PASSES, pulls)
+        if isinstance(self.sets, Box):
+            along, across = np.split(shares[:, :, 0], 2, axis=1)
+        else:
+            along, across = np.moveaxis(shares, -1, 0)
+        return Balanced(self.fastest * y, (INSIDE * self.sets.along * along, INSIDE * self.sets.across * across))
 
     def pulls_at_rest(self, places: Floats, slopes: Floats) -> Floats:
         """About the force against a covector, per its length, on a body held at a place, turning as at the origin, (m).
@@ -242,22 +200,27 @@ class BalancedForces:
             places: of the body (m, 2).
             slopes: the covectors (m, 2).
         """
-        zero = np.zeros((1, 2))
-        still = self.minimizers(zero)
+        still = self.minimizers(np.zeros((1, 2)))
         still[:, :2] = 0.0
-        gradient, _ = self._gradient(
-            np.repeat(still, len(places), axis=0),
-            self.float_loads(places),
-            np.zeros((len(places), 3)),
-            ROUNDINGS[-1] * self.fastest,
-            hessian=False,
-        )
+        along, across = self._float_rows
+        f, g = self.sets.rounded_gradient(*self.slips(still), self._rounding)
+        loads = self.float_loads(places)
+        gradient = (loads * f) @ along + (loads * g) @ across
         return row_products(gradient[:, :2], slopes) / norms(slopes)
 
     def hessians(self, places: Floats, twists: Floats) -> Floats:
         """About those of D by the twist, (m, 3, 3), at places (m, 2) and twists (m, 3)."""
-        nothing, width = np.zeros_like(twists), ROUNDINGS[-1] * self.fastest
-        return self._gradient(twists, self.float_loads(places), nothing, width, hessian=True)[1]
+        along, across = self._float_rows
+        loads, bends = self.float_loads(places), self.sets.rounded_hessian(*self.slips(twists), self._rounding)
+        by_r, mixed, by_s = (loads * entry for entry in bends)
+        slope = np.einsum("mw,wi,wj->mij", by_r, along, along) + np.einsum("mw,wi,wj->mij", by_s, across, across)
+        both = np.einsum("mw,wi,wj->mij", mixed, along, across)
+        return slope + both + both.transpose(0, 2, 1)
+
+    @property
+    def _rounding(self) -> Floats:
+        """Of slips times friction along each rim."""
+        return np.asarray(self.sets.along * ROUNDING * self.fastest)
 
     def compliance(self, places: Floats, slopes: Floats, twists: Floats) -> Floats:
         """About how much faster ``g . c'`` becomes per unit of a pull along a covector g, (m).
@@ -272,11 +235,6 @@ class BalancedForces:
         bend = self.hessians(places, twists)
         bend = bend + 2.0**-40 * np.trace(bend, axis1=1, axis2=2)[:, None, None] * np.eye(3)
         return row_products(pulls, np.linalg.solve(bend, pulls[:, :, None])[:, :, 0])
-
-    def forces(self, twists: Floats) -> tuple[Floats, Floats]:
-        """Inside the friction sets, per unit of load, (m, wheels) each."""
-        f, g = self.sets.rounded_gradient(*self.slips(twists), self.sets.along * ROUNDINGS[-1] * self.fastest)
-        return INSIDE * f, INSIDE * g
 
     @property
     def largest_friction(self) -> Floats:
@@ -326,13 +284,13 @@ class BalancedForces:
         # neighbours share their corners, and forces there where they are pulled alike
         asked = np.column_stack([corners.reshape(-1, 2), *(entry.middle.reshape(-1) for entry in covector)])
         places, first, number = np.unique(asked, axis=0, return_index=True, return_inverse=True)
-        beside, number = np.repeat(free, 4, axis=0)[first], number.reshape(-1)
+        number = number.reshape(-1)
         best = np.full(len(corners), np.inf)
         for share in shares:
             strength = Intervals.of(np.array(share * total))
             pulls = strength * covector[0], strength * covector[1], strength * covector[2]
             middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
-            along, across = self.against(places[:, :2], middle[first], beside).forces
+            along, across = self.against(places[:, :2], middle[first]).forces
             shown = self.powers(corners, pulls, (along[number], across[number]), free) / (share * total)
             shown = shown + 2.0**-40 * np.abs(shown)
             best = np.fmin(best, np.where(finite_rows(shown), shown.max(axis=1), np.inf))
@@ -371,6 +329,13 @@ class BalancedForces:
         with np.errstate(divide="ignore", invalid="ignore"):
             bound = np.where(pull > 0, 2 * total.max(axis=1, keepdims=True) / pull * (1 + 2.0**-30), HUGE)
         return Intervals.of(bound)
+
+
+def _row_by_row(entries: Floats) -> Floats:
+    """Entries of all wheels by row (n, 2, ...), each row alone, the other one zero: those along, then those across."""
+    found = np.zeros((2, *entries.shape))
+    found[0, :, 0], found[1, :, 0] = entries[:, 0], entries[:, 1]
+    return found.reshape(-1, *entries.shape[1:])
 
 
 # ---- loads over a box ----------------------------------------------------------------------------

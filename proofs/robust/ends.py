@@ -51,7 +51,6 @@ BEYOND = 1.05  # of that distance: the disc of starts that is needed where bodie
 STARTS = (Fraction(1), Fraction(3, 4), Fraction(1, 2), Fraction(1, 4), Fraction(0))  # of a disc of starts
 DIGITS = 5  # decimals of a centre, below those of the accuracy
 DRIFT_STEPS = 160
-FEW_STEPS = 40  # the same under rule box, where each takes longer
 GROWTH = 1.5  # of the steps in time of a path
 NEWTON_STEPS = 12
 STILL = 2.0**-20  # of the fastest wheel: a path so slow is at rest
@@ -105,7 +104,8 @@ def decide_ends(
     *,
     rests: bool = False,
     kept: ContactSet | None = None,
-    finely: bool = True,
+    finer: Sequence[int] = FINER,
+    finest: Sequence[int] = FINEST,
 ) -> Ends | None:
     """Where bodies end that start near the point of a centred scene; None where that is not shown.
 
@@ -114,7 +114,8 @@ def decide_ends(
         accuracy: a length.
         rests: whether a body at the point is known to stay there, so that no other place is looked for.
         kept: how far a body with an outline may move and turn on the same wheels.
-        finely: whether rings that are not shown are looked at in the finest pieces, which takes longest.
+        finer: into how many parts a ring is divided that is not shown whole.
+        finest: the same about places that seem to attract, which takes longest.
     """
     if len(scene.wheels) > MOST_WHEELS:
         return None
@@ -124,7 +125,7 @@ def decide_ends(
     keeps, ellipses = kept or ContactSet(()), []
     for centre in [(Fraction(0), Fraction(0))] if rests else _centres(scene, velocity, accuracy):
         for shape in _shapes(scene, velocity, centre, accuracy):
-            found = _about(scene, centre, shape, accuracy, keeps)
+            found = _about(scene, centre, shape, accuracy, keeps, finer)
             if isinstance(found, Ends):
                 if found.is_near:
                     return found
@@ -132,17 +133,7 @@ def decide_ends(
                 break
             if found is _Open.RINGS and not isinstance(shape, Distance):
                 ellipses.append((centre, shape))
-    return away or (_in_smaller_pieces(scene, ellipses, accuracy, keeps) if finely else None)
-
-
-def ends_at_point(scene: Scene, accuracy: Fraction, kept: ContactSet) -> Ends | None:
-    """The same about the point of a centred scene that attracts, by the first rings alone, each in one piece."""
-    velocity = velocity_of(scene) if len(scene.wheels) <= MOST_WHEELS else None
-    if velocity is None:
-        return None
-    centre = Fraction(0), Fraction(0)
-    found = _about(scene, centre, next(_shapes(scene, velocity, centre, accuracy)), accuracy, kept, ())
-    return found if isinstance(found, Ends) else None
+    return away or (_in_smaller_pieces(scene, ellipses, accuracy, keeps, finest) if finest else None)
 
 
 def _in_smaller_pieces(
@@ -150,13 +141,14 @@ def _in_smaller_pieces(
     ellipses: Sequence[tuple[Place, LevelFunction]],
     accuracy: Fraction,
     keeps: ContactSet,
+    finest: Sequence[int],
 ) -> Ends | None:
     """About places that seem to attract, once more.
 
     Where rings are shown then, and bodies may come onto other wheels on their way, other rings would not keep them.
     """
     for centre, shape in ellipses:
-        found = _about(scene, centre, shape, accuracy, keeps, FINEST)
+        found = _about(scene, centre, shape, accuracy, keeps, finest)
         if found is not _Open.RINGS:
             return found if isinstance(found, Ends) else None
     return None
@@ -187,7 +179,7 @@ def _about(
     shape: LevelFunction,
     accuracy: Fraction,
     kept: ContactSet,
-    finer: Sequence[int] = FINER,
+    finer: Sequence[int],
 ) -> Ends | _Open:
     """What rings about a centre show; ``finer``: into how many parts one is divided that is not shown whole."""
     x, y = (scene.field.rational(entry) for entry in centre)
@@ -303,9 +295,8 @@ def _standing(scene: Scene) -> float:
 def _centres(scene: Scene, velocity: Velocity, accuracy: Fraction) -> Iterator[Place]:
     """The point itself, a zero of the field near it, and where a path from it ends."""
     size = float(accuracy)
-    still = STILL * scene.fastest
     seen: list[Floats] = []
-    for place in _proposed(scene, velocity, size, still):
+    for place in _proposed(scene, velocity, size):
         if place is not None and all(np.hypot(*(place - other)) > size / 64 for other in seen):
             seen.append(place)
             unit = Fraction(10) ** (math.floor(math.log10(size)) - DIGITS)
@@ -313,13 +304,13 @@ def _centres(scene: Scene, velocity: Velocity, accuracy: Fraction) -> Iterator[P
             yield x, y
 
 
-def _proposed(scene: Scene, velocity: Velocity, size: float, still: float) -> Iterator[Floats | None]:
-    if scene.contact.rule not in {"nearest", "box"}:
-        yield _zero(velocity, size, scene.check.half_width)
-        yield _end_of_stiff_path(velocity, size, scene.check.half_width)
+def _proposed(scene: Scene, velocity: Velocity, size: float) -> Iterator[Floats | None]:
+    most = scene.check.half_width
+    yield np.zeros(2) if scene.contact.rule in {"nearest", "box"} else _zero(velocity, size, most)
+    if scene.contact.rule == "nearest":
+        yield _end_of_path(velocity, size, STILL * scene.fastest)
     else:
-        yield np.zeros(2)
-        yield _end_of_path(velocity, size, still, FEW_STEPS if scene.contact.rule == "box" else DRIFT_STEPS)
+        yield _end_of_stiff_path(velocity, size, most)
     yield np.zeros(2)
 
 
@@ -387,11 +378,11 @@ def _zero(velocity: Velocity, size: float, most: float) -> Floats | None:
     return None
 
 
-def _end_of_path(velocity: Velocity, size: float, still: float, steps: int) -> Floats | None:
+def _end_of_path(velocity: Velocity, size: float, still: float) -> Floats | None:
     """Where steps along the field lead that become shorter whenever it turns back; None where they lead away."""
     place, step = np.zeros(2), size / 2
     before = np.zeros(2)
-    for _ in range(steps):
+    for _ in range(DRIFT_STEPS):
         now = velocity(place)
         speed = norm(now)
         if not np.isfinite(speed):

@@ -24,7 +24,7 @@ from nonsmooth.symbolic.mechanics.scene import Tolerance
 from nonsmooth.symbolic.messages.under_way import tell, tell_count
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane import around, between, dot, minus
+from nonsmooth.symbolic.numbers.plane import around, between, dot, in_floats
 
 PRECISION = 64  # bits of the balls
 RINGS = 16  # of equal width, from the square inward
@@ -251,38 +251,22 @@ def is_slow(c: Any, w: Any, kappa: Any) -> bool:
 def _last_slow(slow: Point, fast: Point, w: Any, kappa: fmpq) -> Point:
     """The first of the parts of a side beyond which, up to its fast end, no point is slow.
 
-    Floats propose it, by the roots of a quadratic; where rational numbers confirm none, they bisect.
+    Bisection in floats proposes it; where rational numbers do not confirm that, they bisect.
     """
+    a, b, bound, rate = in_floats(slow), in_floats(fast), in_floats(w), float(kappa)
+
+    def seems_fast(part: int) -> bool:
+        return not is_slow(between(a, b, part / PARTS), bound, rate)
 
     def is_fast(part: int) -> bool:
         return not is_slow(between(slow, fast, fmpq(part, PARTS)), w, kappa)
 
-    proposals = (math.floor(t * PARTS) + k for t in _borders(slow, fast, w, kappa) for k in (1, 0, 2))
+    near = bisect_left(range(PARTS), True, key=seems_fast)
+    proposals = (near + k for k in (0, 1, -1))
     part = next((k for k in proposals if 0 < k <= PARTS and is_fast(k) and not is_fast(k - 1)), None)
     if part is None:
         part = bisect_left(range(PARTS), True, key=is_fast)
     return between(slow, fast, fmpq(part, PARTS))
-
-
-def _borders(slow: Point, fast: Point, w: Any, kappa: fmpq) -> Iterator[float]:
-    """Where ``(c . w)^2 = kappa^2 c . c`` along a side, in parts of it from its slow end, in floats."""
-    a, b = tuple(map(float, slow)), tuple(map(float, fast))
-    bound, square = tuple(map(float, w)), float(kappa * kappa)
-    step = minus(b, a)
-    falls, change = dot(a, bound), dot(step, bound)
-    first = change * change - square * dot(step, step)
-    half = falls * change - square * dot(a, step)
-    last = falls * falls - square * dot(a, a)
-    root = math.sqrt(max(half * half - first * last, 0.0))
-    for numerator, denominator in (
-        (-half - root, first),
-        (-half + root, first),
-        (-last, half - root),
-        (-last, half + root),
-    ):
-        t = numerator / denominator if denominator else math.nan
-        if 0 <= t <= 1:
-            yield t
 
 
 def root_above(square: Fraction) -> Fraction:

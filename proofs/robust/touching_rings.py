@@ -36,8 +36,7 @@ FINEST = (8, 16)  # the same beside an edge of the field, over which a body's tw
 SMALLEST = 2.0**-22  # of the outermost radius
 SHARES = (0.25, 0.5, 0.12, 0.9)  # of the pull inward that the body feels, tried one after the other
 PUSHES = (0.6, 0.3, 0.1, 0.03)  # of the friction of all wheels, where what pulls inward is not smooth
-STILL = 2.0**-20  # of the fastest wheel: speeds that are not looked at under rule box
-SLOW = 2.0**-24  # the same under the others, where floats do not tell a circle from a spiral
+SLOW = 2.0**-24  # of the fastest wheel: speeds that are not looked at, where floats do not tell a circle from a spiral
 ENOUGH = 0.5  # of the speed inward that is seen: with less, other strengths are tried
 RATES = 48  # values of kappa that are tried under rule nearest
 
@@ -66,8 +65,6 @@ def rings_about(
         from nonsmooth.proofs.robust.nearest import why_not_nearest
 
         return None if why_not_nearest(scene) else _of_cells(scene, most)
-    if scene.contact.loads_are_unknown:
-        return None
     return _of_forces(scene, most, through, least, shape or Distance(), finer, useful)
 
 
@@ -232,9 +229,7 @@ def _falls_seen(forces: BalancedForces, pieces: RingPieces) -> tuple[Floats, Flo
     free = forces.minimizers(pieces.middles)
     slopes, falls = pieces.middle_slopes, falls_about(forces, pieces, free)
     sizes = pieces.sizes.mean(axis=1)
-    # under rule box a body that rests seems to creep, by the width over which edges are rounded
-    still = STILL if isinstance(forces.sets, Box) else SLOW
-    return free, falls / sizes, falls / sizes > still * forces.fastest * norms(slopes) / sizes
+    return free, falls / sizes, falls / sizes > SLOW * forces.fastest * norms(slopes) / sizes
 
 
 def piece_rates(
@@ -262,7 +257,7 @@ def piece_rates(
         strength = Intervals.of(chosen[:, None])
         pulls = forces.covector(strength * some.slopes[0], strength * some.slopes[1], strength * some.moments)
         middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
-        against = forces.against(some.corners.reshape(-1, 2), middle, np.repeat(free[left], 4, axis=0))
+        against = forces.against(some.corners.reshape(-1, 2), middle)
         shown = forces.powers(some.corners, pulls, against.forces, free[left])
         with np.errstate(invalid="ignore"):
             rates = -shown / (chosen[:, None] * some.sizes) * (1 - 2.0**-40)

@@ -332,7 +332,7 @@ def test_proposed_motions_are_those_of_least_dissipation(name: str, rule: str) -
     assert (dissipation(found[:, None]) <= dissipation(beside) + 1e-7).all()
 
 
-@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+@pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])
 def test_forces_against_a_pull_balance_it_and_take_all_its_power(rule: str) -> None:
     """Weak duality, by the definition alone: ``D(xi) - G . xi >= -sum_i N_i f_i . u_i``, an equality at the minimum."""
     scene = load_scene("off-center", rule=rule).recentred()
@@ -344,8 +344,8 @@ def test_forces_against_a_pull_balance_it_and_take_all_its_power(rule: str) -> N
     balance = (loads * along) @ first + (loads * across) @ second
     assert np.abs(balance - pulls).max() <= 1e-11
     a, b = float(scene.wheels[0].friction.roll), float(scene.wheels[0].friction.side)
-    limits = (a, b) if rule == "ellipse" else (a, a)
-    assert (np.hypot(along / limits[0], across / limits[1]) <= 1).all()
+    size = np.hypot if rule != "box" else lambda x, y: np.fmax(np.abs(x), np.abs(y))
+    assert (size(along / a, across / (a if rule == "roller" else b)) <= 1).all()
     assert rule == "ellipse" or (np.abs(across) <= b).all()
     r, s = (twists @ rows.T - speed.middle for rows, speed in zip((first, second), forces.speeds, strict=True))
     power = along * r + across * s  # of admissible forces: at most the friction loss of each wheel
