@@ -9,26 +9,30 @@ list of formulas, or several: arbitrary switching.
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
 from nonsmooth.symbolic.files.system_document import names_in, parameter_texts, with_parameters
 from nonsmooth.symbolic.formulas.cleared_fractions import Cleared, Clearing
 from nonsmooth.symbolic.formulas.enclosed_functions import Wave, enclosing_formulas, named_formulas
 from nonsmooth.symbolic.formulas.expression import formula_refused
-from nonsmooth.symbolic.formulas.norms import Bounded, Norm, affine_in_norms, at_ends, named_norms, with_roots_in_text
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
-from nonsmooth.symbolic.formulas.trees import ExpressionError, float_value, formula_tree, names_of
-from nonsmooth.symbolic.formulas.unit_vectors import UnitEntry, with_entries_by_inverse, with_unit_entries
+from nonsmooth.symbolic.formulas.trees import ExpressionError, float_value, names_of, readable_tree
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 
 MAX_MEMBERS = 64  # right-hand sides
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.formulas.norms import Bounded
+
+ROOTS = re.compile(r"sqrt|\*\* *(?![0-9]+(?![0-9./e]))")  # a root, or a power that may be one
 
 Side: TypeAlias = tuple[str, tuple[object, ...]]  # its key, and its formulas
 
@@ -46,10 +50,9 @@ class RightHandSides:
         named: one list with names in place of norms, sines and cosines; empty without these, and where several are
             stated.
         names: what these names mean.
-        norms: what those of norms mean, also where several lists are stated.
+        norms: what those of norms and of entries of unit vectors mean, also where several lists are stated.
         bounded: the kinds of names, ``sqrt`` of a norm and ``unit`` of an entry of a unit vector, of which there are
             bounds in the formulas.
-        divides_by_norms: whether there are entries of unit vectors.
     """
 
     sides: tuple[Side, ...]
@@ -59,9 +62,8 @@ class RightHandSides:
     scale: str = ""
     named: tuple[object, ...] = ()
     names: tuple[Wave, ...] = ()
-    norms: tuple[Norm, ...] = ()
+    norms: tuple[Bounded, ...] = ()
     bounded: frozenset[str] = frozenset()
-    divides_by_norms: bool = False
 
 
 def read_right_hand_sides(
@@ -96,46 +98,37 @@ def read_right_hand_sides(
         texts = {**values, **parameter_texts(corner, (), file)}
         here = [(key, tuple(with_parameters(f, texts) for f in formulas)) for key, formulas in stated.items()]
         lists += [own for own in here if own not in lists]  # a list that none of the intervals changes counts once
-    clearing, with_names, entries = _with_norms(lists, clearing, point, intervals, file)
-    norms = clearing.norms
-    cleared, denominators, scale = _cleared(with_names, clearing, (*norms, *entries), file)
-    between = _between_bounds(cleared, (*norms, *entries), clearing.states, order)
+    clearing, with_names = _with_norms(lists, clearing, point, intervals, file)
+    cleared, denominators, scale = _cleared(with_names, clearing, file)
+    norms, between = clearing.norms, _between_norms(cleared, clearing, order)
     sides, waves = _enclosed(between, clearing.states, file, order)
     if len(sides) > MAX_MEMBERS:
         expected = f"at most {MAX_MEMBERS} right-hand sides, with intervals at their ends and sines enclosed"
         raise SceneError(file, "system.rhs", expected, StatedFact(f"{len(sides)}"))
     written = tuple(tuple(map(str, formulas)) for _, formulas in lists) if waves or scale or norms else ()
-    named: tuple[object, ...] = ()
-    names: tuple[Wave, ...] = ()
-    if (waves or norms) and len(cleared) == 1:
-        by_inverse, inverses = with_entries_by_inverse(cleared[0][1], entries)
-        roots = [own for own in (*norms, *inverses) if own.name in _names_in((*by_inverse, scale))]
-        named, waves_in_named = named_formulas(by_inverse, clearing.states | {own.name for own in roots})
-        names = (*roots, *waves_in_named)
-    held = _names_in([formula for _, side in cleared for formula in side])
-    listed: list[Norm | UnitEntry] = [*norms, *entries]
-    bounded = {own.kind for own in listed if own.name in held and len(own.bounds(clearing.states)) > 1}
-    return RightHandSides(
-        tuple(sides),
-        written,
-        tuple(waves),
-        denominators,
-        scale,
-        named,
-        names,
-        norms,
-        frozenset(bounded),
-        divides_by_norms=any(own.name in held for own in entries),
-    )
+    named, names = _named(cleared[0][1], clearing, scale) if (waves or norms) and len(cleared) == 1 else ((), ())
+    held = _names_in(formula for _, side in cleared for formula in side)
+    bounded = frozenset(own.kind for own in norms if own.name in held and len(own.bounds(clearing.states)) > 1)
+    return RightHandSides(tuple(sides), written, tuple(waves), denominators, scale, named, names, norms, bounded)
+
+
+def _named(formulas: Sequence[object], clearing: Clearing, scale: str) -> tuple[tuple[object, ...], tuple[Wave, ...]]:
+    """Formulas with names in place of norms, or of one over a norm, and of sines and cosines, and what these mean."""
+    roots: tuple[Wave, ...] = ()
+    if clearing.norms:
+        from nonsmooth.symbolic.formulas.unit_vectors import by_inverses
+
+        formulas, roots = by_inverses(formulas, clearing.norms)
+        held = _names_in((*formulas, scale))
+        roots = tuple(own for own in roots if own.name in held)
+    named, waves = named_formulas(formulas, clearing.states | {own.name for own in roots})
+    return named, (*roots, *waves)
 
 
 def _names_in(formulas: Iterable[object]) -> set[str]:
     """All names in formulas; what cannot be read is refused elsewhere."""
-    found: set[str] = set()
-    for formula in formulas:
-        with suppress(ExpressionError):
-            found |= names_of(formula_tree(formula))
-    return found
+    trees = map(readable_tree, formulas)
+    return {name for tree in trees if tree is not None for name in names_of(tree)}
 
 
 def _with_norms(
@@ -144,35 +137,38 @@ def _with_norms(
     point: Mapping[str, Fraction | None],
     intervals: Collection[str],
     file: str,
-) -> tuple[Clearing, list[Side], tuple[UnitEntry, ...]]:
+) -> tuple[Clearing, list[Side]]:
     """All lists with names in place of norms and of entries of unit vectors, and what these mean."""
+    if not any(ROOTS.search(str(formula)) for _, side in lists for formula in side):
+        return clearing, list(lists)
+    from nonsmooth.symbolic.formulas.norms import named_norms
+    from nonsmooth.symbolic.formulas.unit_vectors import with_unit_entries
+
     try:
-        with_names, norms = named_norms([side for _, side in lists], point, clearing.states | set(intervals))
+        named, norms = named_norms([side for _, side in lists], point, clearing.states | set(intervals))
     except ExpressionError as error:
         raise SceneError(file, "system.rhs", requirement(error), StatedFact(_received(error))) from None
-    found, entries = with_unit_entries(with_names, norms, clearing.states)
+    found, entries = with_unit_entries(named, norms, clearing.states)
     sides = [(key, tuple(side)) for (key, _), side in zip(lists, found, strict=True)]
-    return replace(clearing, norms=norms), sides, entries
+    return replace(clearing, norms=(*norms, *entries)), sides
 
 
-def _between_bounds(
-    lists: Sequence[Side], bounded: Sequence[Bounded], states: Collection[str], order: int
-) -> list[Side]:
-    """All lists with everything at either bound."""
-    if not bounded:
+def _between_norms(lists: Sequence[Side], clearing: Clearing, order: int) -> list[Side]:
+    """All lists with all norms and entries at either bound."""
+    if not clearing.norms:
         return list(lists)
-    return [(key, tuple(own)) for key, side in lists for own in at_ends(side, bounded, states, order)]
+    from nonsmooth.symbolic.formulas.norms import at_ends
+
+    return [(key, tuple(own)) for key, side in lists for own in at_ends(side, clearing.norms, clearing.states, order)]
 
 
-def _cleared(
-    lists: Sequence[Side], clearing: Clearing, bounded: Sequence[Bounded], file: str
-) -> tuple[list[Side], tuple[str, ...], str]:
+def _cleared(lists: Sequence[Side], clearing: Clearing, file: str) -> tuple[list[Side], tuple[str, ...], str]:
     """All lists without fractions, times one factor."""
     every = [formula for _, formulas in lists for formula in formulas]
     try:
         cleared = _affine(clearing.clear(every), clearing)
     except ExpressionError as error:
-        received = with_roots_in_text(_received(error), bounded)
+        received = clearing.restored(_received(error))
         raise SceneError(file, _refused_key(lists, clearing), requirement(error), StatedFact(received)) from None
     rest = iter(cleared.formulas)
     return [(key, tuple(next(rest) for _ in side)) for key, side in lists], cleared.denominators, cleared.scale
@@ -184,6 +180,10 @@ def _affine(cleared: Cleared, clearing: Clearing) -> Cleared:
     Raises:
         ExpressionError: for a norm elsewhere than in sums, products and whole powers.
     """
+    if not clearing.norms:
+        return cleared
+    from nonsmooth.symbolic.formulas.norms import affine_in_norms
+
     formulas = tuple(affine_in_norms(own, clearing.norms) for own in cleared.formulas)
     *denominators, scale = (str(affine_in_norms(own, clearing.norms)) for own in (*cleared.denominators, cleared.scale))
     return Cleared(formulas, tuple(denominators), scale)
@@ -337,12 +337,9 @@ def require_affine(formula: object, intervals: Mapping[str, Any], file: str, key
     Raises:
         SceneError: for such a formula; one that cannot be parsed is left to the parser.
     """
-    try:
-        tree = formula_tree(formula)
-    except ExpressionError:
-        return
+    tree = readable_tree(formula)
     for name in intervals:
-        if _degree(tree, name) >= NOT_AFFINE:
+        if tree is not None and _degree(tree, name) >= NOT_AFFINE:
             raise SceneError(file, key, f"a formula that is affine in the interval parameter {name}", formula)
 
 

@@ -37,7 +37,7 @@ from nonsmooth.symbolic.formulas.enclosed_functions import LISTED, TURNING, has_
 from nonsmooth.symbolic.formulas.expression import formula_refused, parse
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in, signed_root
-from nonsmooth.symbolic.formulas.trees import ExpressionError, formula_tree, written
+from nonsmooth.symbolic.formulas.trees import ExpressionError, readable_tree, written
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
@@ -223,7 +223,6 @@ def _plain_system(
         norms=sides.norms,
         order=order,
         encloses=tuple(own for own in Enclosed if own.kind in sides.bounded),
-        divides_by_norms=sides.divides_by_norms,
     )
     system = SwitchedSystem(
         name=document.name or path.stem,
@@ -252,10 +251,7 @@ def _quotient(
     Raises:
         SceneError: for parts that are no formulas of the states.
     """
-    try:
-        tree = formula_tree(formula)
-    except ExpressionError:
-        return None
+    tree = readable_tree(formula)
     if not isinstance(tree, ast.BinOp) or not isinstance(tree.op, ast.Div) or len(states) == 1:
         return None
     top, bottom = (parse_lyapunov(written(part), states, file, "check.lyapunov") for part in (tree.left, tree.right))

@@ -15,14 +15,15 @@ the sign of d, for a solution to go on from the point.
 from __future__ import annotations
 
 import ast
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from random import Random
+from typing import TYPE_CHECKING
 
 from nonsmooth.symbolic.formulas.enclosed_functions import has_waves
-from nonsmooth.symbolic.formulas.norms import Norm, with_norms
 from nonsmooth.symbolic.formulas.piecewise import SWITCHES
 from nonsmooth.symbolic.formulas.trees import (
     MAX_TEXT,
@@ -37,9 +38,13 @@ from nonsmooth.symbolic.formulas.trees import (
     parse_tree,
     power,
     quotient,
+    readable_tree,
     written,
 )
 from nonsmooth.symbolic.messages.scene_error import shown
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.formulas.norms import Bounded
 
 BESIDE = 64  # directions in which signs beside the checked point are looked at, but for the axes
 NEAR = (2.0**-10, 2.0**-20)  # at these distances
@@ -76,13 +81,13 @@ class Clearing:
         states: their names.
         point: the checked point in floats, by name.
         sizes: the states that are sizes of roots, of which positive values count.
-        norms: what further names in formulas mean.
+        norms: what further names in formulas mean, those of norms and of entries of unit vectors.
     """
 
     states: frozenset[str]
     point: Mapping[str, float]
     sizes: frozenset[str] = frozenset()
-    norms: tuple[Norm, ...] = ()
+    norms: tuple[Bounded, ...] = ()
 
     def clear(self, formulas: Sequence[object]) -> Cleared:
         """The formulas times one product of denominators; as they were where there are none.
@@ -103,16 +108,20 @@ class Clearing:
         cleared = tuple(written(_times(part.top, every - part.bottom + extra)) for part in found)
         return Cleared(cleared, tuple(every), written(_times(ONE, every + extra)))
 
+    def restored(self, text: str) -> str:
+        """A text about formulas with roots in place of the names of norms."""
+        for own in self.norms:
+            text = re.sub(rf"\b{own.name}\b", written(own.stated), text)
+        return text
+
     @property
     def _names(self) -> set[str]:
         """The names of norms."""
         return {own.name for own in self.norms}
 
     def _has_fraction(self, formula: object) -> bool:
-        try:
-            return self._divides(formula_tree(formula))
-        except ExpressionError:
-            return False
+        tree = readable_tree(formula)
+        return tree is not None and self._divides(tree)
 
     def _divides(self, node: ast.expr) -> bool:
         """Whether a part holds a fraction with a state in its denominator."""
@@ -177,7 +186,11 @@ class Clearing:
 
     def _value(self, node: ast.expr, place: Mapping[str, float], text: str) -> float:
         """The value of a part at a place that names the states, in floats."""
-        return float_value(node, with_norms(self.norms, place), text)
+        if self.norms:
+            from nonsmooth.symbolic.formulas.norms import with_norms
+
+            place = with_norms(self.norms, place)
+        return float_value(node, place, text)
 
     def _places_beside(self) -> Iterator[dict[str, float]]:
         """Places near the checked point in many directions, those of the axes too, with positive sizes of roots."""

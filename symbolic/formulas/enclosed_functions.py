@@ -36,7 +36,6 @@ from nonsmooth.symbolic.formulas.trees import (
     ZERO,
     ExpressionError,
     called,
-    formula_tree,
     minus,
     multiplied,
     names_of,
@@ -45,6 +44,7 @@ from nonsmooth.symbolic.formulas.trees import (
     plus,
     power,
     quotient,
+    readable_tree,
     tidied,
     total,
     with_names,
@@ -58,7 +58,8 @@ WAVES = tuple(TERMS)
 ONE_AT_ZERO = ("cos", "exp")
 MAX_WAVES = 5  # in one right-hand side: two to this power polynomials
 _NUMBERS = {"pi", "sqrt", *WAVES}
-NORM, INVERSE = "sqrt", "rsqrt"  # the kinds of a norm (:mod:`nonsmooth.symbolic.formulas.norms`), and of one over it
+# The kinds of a norm (:mod:`nonsmooth.symbolic.formulas.norms`), of one over it, and of an entry of a unit vector.
+NORM, INVERSE, UNIT = "sqrt", "rsqrt", "unit"
 LISTED = "sin, cos, tanh, atan and exp"
 
 
@@ -178,13 +179,8 @@ def kinds_text(waves: Iterable[Wave]) -> str:
 
 def has_waves(formula: object) -> bool:
     """Whether a text holds a sine or the like of something with a name."""
-    if not isinstance(formula, str):
-        return False
-    try:
-        tree = formula_tree(formula)
-    except ExpressionError:
-        return False
-    return any(map(_is_wave, ast.walk(tree)))
+    tree = readable_tree(formula) if isinstance(formula, str) else None
+    return tree is not None and any(map(_is_wave, ast.walk(tree)))
 
 
 def enclosing_formulas(formulas: Sequence[object], order: int = 0) -> tuple[list[tuple[object, ...]], tuple[Wave, ...]]:

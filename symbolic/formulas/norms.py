@@ -24,14 +24,13 @@ every norm at either bound, with the same bound wherever this norm stands, in al
 from __future__ import annotations
 
 import ast
-import re
+from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise, product
-from math import isqrt, pi, sqrt, tan
-from typing import Protocol
+from math import isqrt, pi, tan
 
 from nonsmooth.symbolic.formulas.enclosed_functions import NORM, Wave
 from nonsmooth.symbolic.formulas.expression import parse
@@ -51,6 +50,7 @@ from nonsmooth.symbolic.formulas.trees import (
     plus,
     power,
     quotient,
+    readable_tree,
     replaced,
     tidied,
     total,
@@ -73,23 +73,22 @@ RATIONAL = Interpretation(
 Square = tuple[Fraction, ast.expr]  # c and b of ``c b^2``
 
 
-class Bounded(Protocol):
+@dataclass(frozen=True)
+class Bounded(Wave, ABC):
     """What a name in formulas stands for, with formulas between which it is."""
 
     @property
-    def name(self) -> str:
-        """Its name."""
-
-    @property
+    @abstractmethod
     def stated(self) -> ast.expr:
         """As a formula of the states."""
 
+    @abstractmethod
     def bounds(self, states: Collection[str], order: int = 0) -> tuple[ast.expr, ...]:
         """A formula below and one above, or the one that it is."""
 
 
 @dataclass(frozen=True)
-class Norm(Wave):
+class Norm(Bounded):
     """The root of a sum of squares.
 
     Attributes:
@@ -221,11 +220,9 @@ def named_norms(
         return size if exponent > 0 else quotient(ONE, size)
 
     def named(formula: object) -> object:
-        try:
-            tree = formula_tree(formula)
-        except ExpressionError:
-            return formula  # refused where formulas are read
-        return written(replaced(tree, change)) if any(_norm_of(node, states) for node in ast.walk(tree)) else formula
+        tree = readable_tree(formula)
+        is_held = tree is not None and any(_norm_of(node, states) for node in ast.walk(tree))
+        return written(replaced(tree, change)) if tree is not None and is_held else formula
 
     found = [tuple(map(named, formulas)) for formulas in lists]
     if len(norms) > MAX_NORMS:
@@ -241,10 +238,10 @@ def _value_at(square: ast.expr, point: Mapping[str, Fraction | None]) -> Fractio
         raise ExpressionError(f"required {expected}, received {shown(written(square))}") from None
 
 
-def with_norms(norms: Sequence[Wave], place: Mapping[str, float]) -> dict[str, float]:
+def with_norms(norms: Sequence[Bounded], place: Mapping[str, float]) -> dict[str, float]:
     """A place in floats, by name, with the values of norms beside those of the states."""
-    values = {own.name: float_value(formula_tree(own.argument), place, own.argument) for own in norms}
-    return {**place, **{name: sqrt(max(value, 0.0)) for name, value in values.items()}}
+    roots = [own for own in norms if own.kind == NORM]
+    return {**place, **{own.name: float_value(own.stated, place, own.argument) for own in roots}}
 
 
 def restored(tree: ast.expr, norms: Sequence[Bounded]) -> ast.expr:
@@ -252,29 +249,19 @@ def restored(tree: ast.expr, norms: Sequence[Bounded]) -> ast.expr:
     return with_names(tree, {own.name: own.stated for own in norms})
 
 
-def with_roots_in_text(text: str, norms: Sequence[Bounded]) -> str:
-    """A text about formulas with roots in place of the names of norms."""
-    for own in norms:
-        text = re.sub(rf"\b{own.name}\b", written(own.stated), text)
-    return text
-
-
 # ---- affine in every norm ------------------------------------------------------------------------
 
 
-def affine_in_norms(formula: object, norms: Sequence[Norm]) -> object:
+def affine_in_norms(formula: object, norms: Sequence[Bounded]) -> object:
     """A formula of states and names of norms that is affine in each of these; as it is where it holds none.
 
     Raises:
         ExpressionError: for a norm that does not stand in sums, products and whole powers alone.
     """
-    try:
-        tree = formula_tree(formula)
-    except ExpressionError:
-        return formula  # refused where formulas are read
-    if names_of(tree).isdisjoint(own.name for own in norms):
+    tree, roots = readable_tree(formula), [own for own in norms if own.kind == NORM]
+    if tree is None or names_of(tree).isdisjoint(own.name for own in roots):
         return formula
-    for own in norms:
+    for own in roots:
         without, factor = affine_parts(tree, own.name, formula_tree(own.argument), str(formula))
         tree = total([without, multiplied(ast.Name(own.name), factor)])
     return written(tidied(tree))
@@ -325,8 +312,7 @@ def at_ends(
     formulas: Sequence[object], norms: Sequence[Bounded], states: Collection[str], order: int
 ) -> list[list[object]]:
     """Lists of formulas whose hull holds some that are affine in norms: with each of these at its bounds, all alike."""
-    named = {own.name for own in norms}
-    trees = [None if not isinstance(own, str) else formula_tree(own) for own in formulas]
+    named, trees = {own.name for own in norms}, list(map(readable_tree, formulas))
     held = [own for own in norms if any(tree is not None and own.name in names_of(tree) for tree in trees)]
     bounds = [own.bounds(states, order) for own in held]
     found = []

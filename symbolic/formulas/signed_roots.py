@@ -20,7 +20,6 @@ from typing import Any
 from flint import fmpz
 
 from nonsmooth.symbolic.formulas.expression import parse
-from nonsmooth.symbolic.formulas.norms import squares_in
 from nonsmooth.symbolic.formulas.trees import (
     MAX_TEXT,
     ExpressionError,
@@ -198,6 +197,8 @@ def orders_in(formula: object, states: Sequence[str], parameters: Mapping[str, s
             continue
         name = _state_of(node)
         if name not in states:
+            from nonsmooth.symbolic.formulas.norms import squares_in
+
             values = {own: formula_tree(value) for own, value in parameters.items()}
             if exponent.denominator == 2 and squares_in(with_names(_radicand(node), values), states):
                 continue  # a norm (:mod:`nonsmooth.symbolic.formulas.norms`)

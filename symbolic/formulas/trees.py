@@ -145,6 +145,14 @@ def formula_tree(text: object) -> ast.expr:
     return parse_tree(text, MAX_TEXT, "a formula")[1]
 
 
+def readable_tree(text: object) -> ast.expr | None:
+    """The same; None for what is no formula, for who reads it to refuse."""
+    try:
+        return formula_tree(text)
+    except ExpressionError:
+        return None
+
+
 def _without_unit(text: str) -> str:
     """What stands for a number with a percent sign or a unit behind it; empty for other texts."""
     named = _WITH_UNIT.fullmatch(text)

@@ -15,8 +15,8 @@ from fractions import Fraction
 
 from flint import Ordering, fmpq, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx
 
-from nonsmooth.symbolic.formulas.enclosed_functions import INVERSE, NORM, Wave
-from nonsmooth.symbolic.formulas.norms import Norm, Square, affine_parts, exact_root, root_beside, squares_in
+from nonsmooth.symbolic.formulas.enclosed_functions import INVERSE, NORM, UNIT, Wave
+from nonsmooth.symbolic.formulas.norms import Bounded, Norm, Square, affine_parts, exact_root, root_beside, squares_in
 from nonsmooth.symbolic.formulas.trees import (
     ONE,
     ZERO,
@@ -30,6 +30,7 @@ from nonsmooth.symbolic.formulas.trees import (
     number,
     plus,
     quotient,
+    readable_tree,
     replaced,
     tidied,
     total,
@@ -37,12 +38,11 @@ from nonsmooth.symbolic.formulas.trees import (
     written,
 )
 
-UNIT = "unit"  # the kind of an entry
 SECOND = Fraction(71, 100)  # above the root of a half
 
 
 @dataclass(frozen=True)
-class UnitEntry(Wave):
+class UnitEntry(Bounded):
     """An entry ``sqrt(c_k) b_k/s`` of a unit vector, whose norm s is zero elsewhere than at the checked point, too.
 
     Attributes:
@@ -121,22 +121,20 @@ def with_unit_entries(
     return found, tuple(entries)
 
 
-def with_entries_by_inverse(
-    formulas: Sequence[object], entries: Sequence[UnitEntry]
-) -> tuple[list[object], list[Wave]]:
-    """Formulas with the names of ``1/s`` in place of those of entries, and what these mean."""
+def by_inverses(formulas: Sequence[object], norms: Sequence[Bounded]) -> tuple[list[object], tuple[Wave, ...]]:
+    """Formulas with the names of ``1/s`` in place of those of entries, and what all names of roots mean."""
+    entries = [own for own in norms if isinstance(own, UnitEntry)]
     meanings = {own.name: own.by_inverse for own in entries}
-    found: list[object] = []
-    for formula in formulas:
-        try:
-            tree = formula_tree(formula)
-        except ExpressionError:
-            found.append(formula)  # refused where formulas are read
-            continue
-        held = not names_of(tree).isdisjoint(meanings)
-        found.append(written(tidied(with_names(tree, meanings))) if held else formula)
+
+    def by_inverse(formula: object) -> object:
+        tree = readable_tree(formula)
+        if tree is None or names_of(tree).isdisjoint(meanings):
+            return formula
+        return written(tidied(with_names(tree, meanings)))
+
     inverses = {own.inverse: Wave(INVERSE, own.argument, own.inverse) for own in entries}
-    return found, list(inverses.values())
+    roots = [own for own in norms if own.kind == NORM]
+    return list(map(by_inverse, formulas)), (*roots, *inverses.values())
 
 
 def _is_zero_elsewhere(squares: Sequence[Square], states: Collection[str]) -> bool:

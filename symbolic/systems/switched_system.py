@@ -16,16 +16,14 @@ from enum import StrEnum
 from fractions import Fraction
 from itertools import product
 from math import ceil, floor, frexp, prod
-from typing import Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from nonsmooth.symbolic.formulas.enclosed_functions import INVERSE, NORM, Wave
+from nonsmooth.symbolic.formulas.enclosed_functions import INVERSE, NORM, UNIT, Wave
 from nonsmooth.symbolic.formulas.expression import formula_refused
-from nonsmooth.symbolic.formulas.norms import Norm, at_ends, restored
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, no_sign, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in
 from nonsmooth.symbolic.formulas.surfaces import switching_factors
 from nonsmooth.symbolic.formulas.trees import multiplied, number, quotient, replaced, tidied, with_names, written
-from nonsmooth.symbolic.formulas.unit_vectors import UNIT
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
@@ -33,6 +31,9 @@ from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.formulas.norms import Bounded
 
 PLANE = ("x", "y")  # the displacement of two states
 ONE_SIDE = "one right-hand side (under arbitrary switching only stability is decided)"
@@ -120,12 +121,10 @@ class Rewriting:
         scale: the positive factor by which the stated fields were multiplied, likewise; None without fractions.
         named_rhs: the one field that is enclosed, in the states and in names of its norms, sines and cosines.
         names: what these names mean.
-        norms: what the names of norms mean.
+        norms: what the names of norms and of entries of unit vectors mean.
         order: how many further terms of sines and cosines are taken
             (:mod:`nonsmooth.symbolic.formulas.enclosed_functions`), and how often bounds of norms get closer.
         encloses: what the right-hand sides have bounds of, beside waves.
-        divides_by_norms: whether stated formulas jump without a sign: where a norm that they divide by is zero beside
-            the checked point.
     """
 
     written: tuple[tuple[str, ...], ...] = ()
@@ -134,10 +133,14 @@ class Rewriting:
     scale: PiecewiseExpression | None = None
     named_rhs: tuple[PiecewiseExpression, ...] = ()
     names: tuple[Wave, ...] = ()
-    norms: tuple[Norm, ...] = ()
+    norms: tuple[Bounded, ...] = ()
     order: int = 0
     encloses: tuple[Enclosed, ...] = ()
-    divides_by_norms: bool = False
+
+    @property
+    def divides_by_norms(self) -> bool:
+        """Whether stated formulas jump without a sign: where a norm that they divide by is zero beside the point."""
+        return any(own.kind == UNIT for own in self.norms)
 
     @property
     def names_roots(self) -> bool:
@@ -146,6 +149,8 @@ class Rewriting:
 
     def stated_text(self, formula: PiecewiseExpression) -> str:
         """A formula of the states and of norms as people read it."""
+        from nonsmooth.symbolic.formulas.norms import restored
+
         return written(tidied(restored(formula.tree, self.norms)))
 
 
@@ -238,6 +243,8 @@ class SwitchedSystem(ShortRepr):
         """Formulas of the states whose hull holds one that is affine in norms, too: itself where it holds none."""
         if not self.rewriting.norms:
             return (formula,)
+        from nonsmooth.symbolic.formulas.norms import at_ends
+
         ends = at_ends([formula.text], self.rewriting.norms, self.states, self.rewriting.order)
         return tuple(parse_piecewise(text, self.states) for (text,) in ends)
 
