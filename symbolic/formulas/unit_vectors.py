@@ -109,7 +109,8 @@ def with_unit_entries(
     entries: list[UnitEntry] = []
     for norm in norms:
         squares = squares_in(formula_tree(norm.argument), states) or []
-        if norm.square or not _is_zero_elsewhere(squares, states):
+        is_sign = len(squares) == 1  # of one square the entry is exact
+        if norm.square or not (is_sign or _is_zero_elsewhere(squares, states)):
             continue
         inverse = f"inverse_{norm.name}"
         own = [
