@@ -604,6 +604,22 @@ def find_difference(certificate: Record, scene: Scene) -> str:
     return "" if _has_tolerances(subject.get("tolerances"), own["tolerances"], names) else "tolerance"
 
 
+def not_followed(certificate: Record, scene: Scene) -> Iterator[str]:
+    """What of a scene the claims of an accepted certificate about it do without, in words.
+
+    Args:
+        certificate: parsed JSON of an array that the checker accepted.
+        scene: from which :func:`find_difference` finds none.
+    """
+    claims = {name for claim in certificate["statement"]["claims"] for name in claim}
+    if "tolerances" in claims and scene.tolerances is not None and scene.tolerances.centre_of_mass:
+        yield "how far the centre of mass is from its nominal place; within the tolerances it is the true one"
+    if "feedback rate" in claims and scene.speed_limits:
+        yield "the limits of speeds; the feedback rate is that of the law while no wheel is at its limit"
+    if "feedback rate" in claims and scene.loop_errors is not None:
+        yield "how late and wrong the pose is; the feedback rate is that of the law with the exact pose"
+
+
 def _has_tolerances(theirs: Record | None, own: Record | None, names: list[int]) -> bool:
     """Whether a certificate speaks of a scene's tolerances, or of none."""
     if theirs is None:

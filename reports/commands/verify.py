@@ -12,6 +12,8 @@ from nonsmooth.reports.output.study_options import SceneOptions, complete_scene
 from nonsmooth.reports.studies.study_command import offered
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from nonsmooth.symbolic.mechanics.scene import Scene
 
 ACCEPTED, REJECTED = 0, 1
@@ -48,9 +50,9 @@ def verify(
     if wanted is None or status == REJECTED:
         write(f"{message}\n")
         return status
-    difference = _difference(file, wanted)
+    difference, aside = _difference(file, wanted)
     another = f"another {difference}" if difference else ""
-    return _compared(status, message, scene, another, "wheels, rule, point and square")
+    return _compared(status, _with_left_out(message, aside), scene, another, "wheels, rule, point and square")
 
 
 def _compared(status: int, message: str, scene: str | None, difference: str, same: str) -> int:
@@ -68,6 +70,10 @@ def _compared(status: int, message: str, scene: str | None, difference: str, sam
         return REJECTED
     write(f"{message}\nabout {scene}: the same {same}\n")
     return status
+
+
+def _with_left_out(message: str, lines: Iterable[str]) -> str:
+    return "\n".join([message, *(f"left out, not shown here: {line}" for line in lines)])
 
 
 def _is_of_system(file: str) -> bool:
@@ -95,7 +101,7 @@ def _verify_system(file: str, scene: str | None, radius: str | None, at: str | N
     wanted = None if scene is None else load_system(scene, radius=radius, at=at)
     status, message = check_file(file)
     if status == ACCEPTED:
-        message = "\n".join([message, *(f"left out, not shown here: {line}" for line in left_out(read(file)[0]))])
+        message = _with_left_out(message, left_out(read(file)[0]))
     if wanted is None or status == REJECTED:
         write(f"{message}\n")
         return status
@@ -124,12 +130,15 @@ def _refuse_without_scene(rule: Any, radius: str | None, at: str | None) -> None
             raise RefusedError(f"{option}: required a scene to compare the certificate with, received none")
 
 
-def _difference(file: str, scene: Scene) -> str:
-    from nonsmooth.proofs.certificate import find_difference
+def _difference(file: str, scene: Scene) -> tuple[str, list[str]]:
+    """Where a certificate and a scene differ, and what of the scene it leaves aside where they do not."""
+    from nonsmooth.proofs.certificate import find_difference, not_followed
     from nonsmooth.proofs.checker.files import read
     from nonsmooth.proofs.kernel.subject import NoCertificateError
 
+    certificate = read(file)[0]
     try:
-        return find_difference(read(file)[0], scene)
+        difference = find_difference(certificate, scene)
+        return difference, [] if difference else list(not_followed(certificate, scene))
     except NoCertificateError as error:
         raise RefusedError(f"{scene.origin}: {error}") from None

@@ -28,6 +28,7 @@ from nonsmooth.symbolic.files.system_document import (
     RESERVED,
     SystemCheckTable,
     SystemDocument,
+    compared,
     parameter_texts,
     regions_as_formulas,
     with_parameters,
@@ -284,9 +285,11 @@ def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
     single, _ = split_intervals(document.system.parameters, file)
     texts = parameter_texts(single, {*states, *RESERVED}, file)
     for key, formula in _keyed_formulas(document):
+        guard = compared(formula)
         with formula_refused(file, key, formula):
-            for name, order in orders_in(formula, states, texts).items():
-                found[name] = lcm(found.get(name, 1), order)
+            for side in (formula,) if guard is None else guard[::2]:
+                for name, order in orders_in(side, states, texts).items():
+                    found[name] = lcm(found.get(name, 1), order)
     rooted = tuple(name for name in states if name in found)
     roots = SignedRoots(states, rooted, tuple(found[name] for name in rooted), tuple(texts.items()))
     for name in {*states, *document.system.parameters} & set(roots.names.values()):
@@ -495,8 +498,12 @@ def _extended(document: SystemDocument, roots: SignedRoots, file: str) -> System
 
 
 def _rewritten(
-    document: SystemDocument, states: tuple[str, ...], rewrite: Rewrite, guard: Callable[[object], object]
+    document: SystemDocument, states: tuple[str, ...], rewrite: Rewrite, in_guards: Callable[[object], object]
 ) -> SystemDocument:
+    def guard(value: object) -> object:
+        parts = compared(value)
+        return value if parts is None else f"{in_guards(parts[0])} {parts[1]} {in_guards(parts[2])}"
+
     more = ("0",) * (len(states) - len(document.system.states))
 
     def fields(side: Any) -> tuple[object, ...]:

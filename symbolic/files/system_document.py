@@ -270,12 +270,21 @@ def _guarded(table: RegionTable, states: Sequence[str], check: Checker, file: st
     return Guarded(tuple(guards), tuple(f"({str(formula).strip()})" for formula in table.rhs))
 
 
-def _guard(value: Any, check: Checker, file: str, key: str) -> str:
-    """What is 1 where the guard holds, and 0 elsewhere."""
+def compared(value: object) -> tuple[str, str, str] | None:
+    """The left side of a guard, its comparison and its right side; None for what is no guard."""
     parts = _GUARD.fullmatch(value) if isinstance(value, str) else None
     if parts is None:
-        raise SceneError(file, key, 'a guard such as "x - y > 0", with one of < <= > >=', value)
+        return None
     left, comparison, right = (part.strip() for part in parts.groups())
+    return left, comparison, right
+
+
+def _guard(value: Any, check: Checker, file: str, key: str) -> str:
+    """What is 1 where the guard holds, and 0 elsewhere."""
+    parts = compared(value)
+    if parts is None:
+        raise SceneError(file, key, 'a guard such as "x - y > 0", with one of < <= > >=', value)
+    left, comparison, right = parts
     for side in (left, right):
         check(side, key)
     if comparison.startswith("<"):

@@ -349,9 +349,18 @@ def test_it_is_said_why_there_are_several_right_hand_sides(system: SwitchedSyste
 
 
 RELAY = [{"where": ["x > 0"], "rhs": ["-1", "-y"]}, {"rhs": ["1", "-y"]}]
+ROOT = "sqrt(Abs(x))*sgn(x)"
+IN_ROOTS = [{"where": ["x > 0"], "rhs": [f"y - 3/2*{ROOT}", "-1"]}, {"rhs": [f"y - 3/2*{ROOT}", "1"]}]
+GUARDED_BY_ROOTS = [{"where": [f"y >= -{ROOT}"], "rhs": ["y", "-2"]}, {"rhs": ["y", "2"]}]
+BY_SIGNS = [
+    (RELAY, ["-sgn(x)", "-y"]),
+    (IN_ROOTS, [f"y - 3/2*{ROOT}", "-sgn(x)"]),
+    (TABLES[0], ["y", "-sgn(x) - y"]),
+    (GUARDED_BY_ROOTS, ["y", f"-2*sgn(y + {ROOT})"]),
+]
 
 
-@pytest.mark.parametrize(("tables", "rhs"), keep(1, [(RELAY, ["-sgn(x)", "-y"]), (TABLES[0], ["y", "-sgn(x) - y"])]))
+@pytest.mark.parametrize(("tables", "rhs"), keep(2, BY_SIGNS))
 def test_tables_and_signs_have_the_same_verdict(tables: list[dict[str, Any]], rhs: list[str]) -> None:
     by_tables = decide_system(built(tables))
     by_signs = decide_system(build_system({"system": {"states": ["x", "y"], "rhs": rhs}}, "t", Path("t.toml")))

@@ -22,6 +22,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.robust.decide import decide_robust
 from nonsmooth.proofs.robust.feedback import decide_robust_loop
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth
+from nonsmooth.reports.commands.verify import verify
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
@@ -183,6 +184,28 @@ def test_another_scene_and_other_tolerances_are_told_apart(scene: Scene, certifi
     assert find_difference(certificate, load_scene(other)) == "tolerance"
     other.write_text(TABLE.partition("[tolerance]")[0], encoding="utf-8")
     assert find_difference(certificate, load_scene(other)) == "tolerance"
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ("", ""),
+        ('centre_of_mass = "1/500"\n', "how far the centre of mass is from its nominal place"),
+        ('[drive]\nspeed_limit = "3/20"\n', "the limits of speeds"),
+        ("[feedback]\ndelay = 1\n", "how late and wrong the pose is"),
+    ],
+)
+def test_what_the_claims_about_a_scene_do_without_is_named(
+    more: str, words: str, certificate: Record, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The disc is that of the true centre of mass, and the rate that of the law alone."""
+    file, scene = tmp_path / "certificate.json", tmp_path / "scene.toml"
+    file.write_text(certificate_text(certificate), encoding="utf-8")
+    scene.write_text(TABLE + more, encoding="utf-8")
+    assert verify(str(file), str(scene)) == 0
+    *_, named, about = capsys.readouterr().out.splitlines()
+    assert about.endswith("the same wheels, rule, point and square")
+    assert named.startswith(f"left out, not shown here: {words}" if words else "within the tolerances")
 
 
 ARRAYS = 1_000  # of a box, which are drawn for a mutant
