@@ -65,7 +65,7 @@ MAX_NORMS = 3  # different ones: two to this power right-hand sides
 PLANE = 2  # states
 ALIKE = Fraction(7, 10)  # both entries of a vector that is a little shorter than one
 SIMPLE = 10  # denominators of tangents
-FINE = 1 << 10  # of bounds of roots, which are rational where the roots are
+FINE = 1 << 10  # parts of roots by which rational numbers beside them differ at most
 RATIONAL = Interpretation(
     Fraction, None, {"Abs": abs, "Max": max, "Min": min, "sgn": lambda value: (value > 0) - (value < 0)}
 )
@@ -213,7 +213,7 @@ def named_norms(
         argument, exponent = written(found[0]), found[1]
         if argument not in norms:
             name = NAMED.format(len(norms) + 1)
-            while name in taken:
+            while any(name in other for other in taken):  # other names are made of this one
                 name += "_"
             norms[argument] = Norm(NORM, argument, name, _value_at(found[0], point))
         size = power(ast.Name(norms[argument].name), abs(exponent))
@@ -362,12 +362,18 @@ def _weighted(vector: tuple[Fraction, Fraction], sizes: tuple[ast.expr, ast.expr
 
 
 def root_beside(value: Fraction, *, is_above: bool) -> Fraction:
-    """A rational number at most, or at least, the square root of another one; the root where it is rational."""
+    """A rational number at most, or at least, the square root of a positive one, by less than a part in FINE.
+
+    The root where it is rational.
+    """
     top, bottom = isqrt(value.numerator), isqrt(value.denominator)
     if Fraction(top, bottom) ** 2 == value:
         return Fraction(top, bottom)
-    below = Fraction(isqrt(value.numerator * FINE**2 // value.denominator), FINE)
-    return below + Fraction(1, FINE) if is_above else below
+    scale = FINE
+    while value * scale**2 < FINE**2:
+        scale *= 2
+    below = Fraction(isqrt(value.numerator * scale**2 // value.denominator), scale)
+    return below + Fraction(1, scale) if is_above else below
 
 
 @cache

@@ -1,9 +1,11 @@
 """Entries of unit vectors, ``x/sqrt(x**2 + y**2)``, whose norm is zero elsewhere than at the checked point, too.
 
-In unit control ``-sigma/abs(sigma)`` of several states (Gutman 1979, Utkin 1992) the norm is zero on a line or more: to
-divide it out would leave a field that rests there.  So the entries ``u_k = sqrt(c_k) b_k/s`` of the unit vector are put
-between constants.  Nothing is divided out, and velocities are those of the states.  What stands over s must be a sum of
-multiples of the b_k.  Where all b_k are zero, F holds what it holds beside that place.
+In unit control ``-sigma/abs(sigma)`` of several states (Gutman 1979, Utkin 1992) the norm s is zero on a line or more:
+to divide it out would leave a field that rests there.  So the entries ``b_k/s``, with ``s^2 = sum_k c_k b_k^2``, are
+put between constants on the sectors on which one of the m sizes ``sqrt(c_k) Abs(b_k)`` is the largest.  This one is at
+least ``s/sqrt(m)`` and at most s, another one at most ``s/sqrt(2)``.  Nothing is divided out, and velocities are those
+of the states.  What stands over s must be a sum of multiples of the b_k.  Where all b_k are zero, F holds what it holds
+beside that place.
 """
 
 from __future__ import annotations
@@ -38,12 +40,12 @@ from nonsmooth.symbolic.formulas.trees import (
     written,
 )
 
-SECOND = Fraction(71, 100)  # above the root of a half
+BESIDE = Fraction(1, 128)  # more than twice the error of the square of a ratio of roots
 
 
 @dataclass(frozen=True)
 class UnitEntry(Bounded):
-    """An entry ``sqrt(c_k) b_k/s`` of a unit vector, whose norm s is zero elsewhere than at the checked point, too.
+    """An entry ``b_k/s`` of a unit vector.
 
     Attributes:
         weight: the number c_k.
@@ -58,36 +60,34 @@ class UnitEntry(Bounded):
     @property
     def stated(self) -> ast.expr:
         """As a formula of the states."""
-        return quotient(self._top, called(NORM, formula_tree(self.argument)))
+        return quotient(formula_tree(self.base), called(NORM, formula_tree(self.argument)))
 
     @property
     def by_inverse(self) -> ast.expr:
         """By the name of ``1/s``."""
-        return multiplied(self._top, ast.Name(self.inverse))
-
-    @property
-    def _top(self) -> ast.expr:
-        return multiplied(exact_root(self.weight), formula_tree(self.base))
+        return multiplied(formula_tree(self.base), ast.Name(self.inverse))
 
     def bounds(self, states: Collection[str], order: int = 0) -> tuple[ast.expr, ...]:
-        """Constants on the sectors in which each size is the largest: of m entries this one is at least 1/sqrt(m).
+        """Constants on the sectors with the sign of b_k, or the one that it is: of a single square.
 
-        Another one is at most ``1/sqrt(2)``; all have the signs of their b.
+        Where roots of the c_k are irrational, sectors end a little beside those of the sizes.
         """
         squares = squares_in(formula_tree(self.argument), states) or []
-        side = called("sign", formula_tree(self.base))
+        side, base = called("sign", formula_tree(self.base)), formula_tree(self.base)
         if len(squares) == 1:
-            return (side,)
-        own, others = _size(self.weight, formula_tree(self.base)), [_size(c, base) for c, base in squares]
-        others = [other for other in others if written(other) != written(own)]
-        is_largest = multiplied(*[_is_larger(own, other) for other in others])
-        least = number(root_beside(Fraction(1, len(squares)), is_above=False))
-        upper = plus(number(SECOND), multiplied(number(1 - SECOND), is_largest))
-        return multiplied(side, least, is_largest), multiplied(side, upper)
+            return (quotient(side, exact_root(self.weight)),)
+        own, sizes = _size(self.weight, base), [_size(*square) for square in squares]
+        is_largest = multiplied(*[_is_larger(own, size) for size in sizes if written(size) != written(own)])
+        least = root_beside((1 - BESIDE) / (self.weight * len(squares)), is_above=False)
+        second = root_beside((1 + BESIDE) / (self.weight * 2), is_above=True)
+        most = root_beside(1 / self.weight, is_above=True)
+        upper = plus(number(second), multiplied(number(most - second), is_largest))
+        return multiplied(side, number(least), is_largest), multiplied(side, upper)
 
 
 def _size(weight: Fraction, base: ast.expr) -> ast.expr:
-    return multiplied(exact_root(weight), called("Abs", base))
+    """About ``sqrt(c) Abs(b)``, with a rational number."""
+    return multiplied(number(root_beside(weight, is_above=False)), called("Abs", base))
 
 
 def _is_larger(first: ast.expr, second: ast.expr) -> ast.expr:
@@ -167,10 +167,7 @@ def _with_entries(
     shares = None if over is ZERO else _shares(over, squares, states)
     if shares is None:
         return formula
-    parts = [
-        multiplied(quotient(share, exact_root(c)), ast.Name(own.name))
-        for share, (c, _), own in zip(shares, squares, entries, strict=True)
-    ]
+    parts = [multiplied(share, ast.Name(own.name)) for share, own in zip(shares, entries, strict=True)]
     return written(tidied(total([without, *parts])))
 
 
