@@ -133,7 +133,7 @@ def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
 
     The equilibrium must hold 0 in its Filippov set.
     """
-    if system.hangs_on_order and len(system.rewriting.written) == 1:
+    if system.only_encloses and len(system.rewriting.written) == 1:
         found = _of_enclosed(system)
         if found is not None or system.rewriting.waves:
             return found
