@@ -44,7 +44,7 @@ DECIDED = {
     "-x/sqrt(x**2 + 1)": ATTRACTS,
     "-2*x**3/sqrt(x**6)": ATTRACTS,
     f"sqrt(2)*y*{N} - x; -sqrt(3)*y": ATTRACTS,
-    f"y - x*sqrt(Abs(y))/{N}; -x - y/{N}": ATTRACTS,
+    f"y - x*Abs(x)/{N}; -x - y/{N}": ATTRACTS,
 }
 
 
