@@ -280,7 +280,7 @@ def test_certificates_name_the_scene_that_they_are_about(tmp_path: object) -> No
     assert "roots of sums of squares" in certificate["notes"]["right-hand sides"]
 
 
-@pytest.mark.parametrize("seed", keep(1, range(12)))
+@pytest.mark.parametrize("seed", keep(8, [3, 4, 10, 5, 9, 7, 2, 6, 1, 8, 11, 0]))  # the slow ones last
 def test_random_fields_do_what_is_said(seed: int) -> None:
     """Paths in floats from near the point beside the verdict."""
     drawn, noise = Random(seed), np.random.default_rng(seed)
