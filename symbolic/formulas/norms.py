@@ -213,7 +213,7 @@ def named_norms(
         argument, exponent = written(found[0]), found[1]
         if argument not in norms:
             name = NAMED.format(len(norms) + 1)
-            while name in taken:
+            while any(own.endswith(name) for own in taken):  # entries of unit vectors are named after their norm
                 name += "_"
             norms[argument] = Norm(NORM, argument, name, _value_at(found[0], point))
         size = power(ast.Name(norms[argument].name), abs(exponent))

@@ -187,6 +187,12 @@ def test_it_is_decided_with_a_certificate(text: str) -> None:
     assert not refusal(certificate, len(certificate_text(certificate)))
 
 
+@pytest.mark.parametrize("name", ["unit_1_norm_1", "inverse_norm_1"])
+def test_states_may_be_named_as_norms_are(name: str) -> None:
+    unit, turned = f"y - 2*x/{N} + {name}", f"-x - 2*y/{N} + x*{name}/4"
+    assert ns.System(["x", "y", name], [unit, turned, f"-{name} + x"]).check().verdict == ATTRACTS
+
+
 def test_a_norm_that_cancels_leaves_an_exact_field() -> None:
     result = system(f"-x/{N}; -y/{N}").check()
     assert {"attracts": "everywhere"} in result.certificate()["statement"]["claims"]
