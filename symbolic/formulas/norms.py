@@ -191,6 +191,12 @@ def _norm_of(node: ast.AST, states: Collection[str]) -> tuple[ast.expr, int] | N
     return None
 
 
+def holds_norms(formula: object, states: Collection[str]) -> bool:
+    """Whether a root of a sum of squares of states stands in a formula."""
+    tree = readable_tree(formula)
+    return tree is not None and any(_norm_of(node, states) for node in ast.walk(tree))
+
+
 def named_norms(
     lists: Sequence[Sequence[object]], point: Mapping[str, Fraction | None], taken: Collection[str]
 ) -> tuple[list[tuple[object, ...]], tuple[Norm, ...]]:
@@ -220,9 +226,8 @@ def named_norms(
         return size if exponent > 0 else quotient(ONE, size)
 
     def named(formula: object) -> object:
-        tree = readable_tree(formula)
-        is_held = tree is not None and any(_norm_of(node, states) for node in ast.walk(tree))
-        return written(replaced(tree, change)) if tree is not None and is_held else formula
+        tree = readable_tree(formula) if holds_norms(formula, states) else None
+        return formula if tree is None else written(replaced(tree, change))
 
     found = [tuple(map(named, formulas)) for formulas in lists]
     if len(norms) > MAX_NORMS:

@@ -193,6 +193,15 @@ def test_states_may_be_named_as_norms_are(name: str) -> None:
     assert ns.System(["x", "y", name], [unit, turned, f"-{name} + x"]).check().verdict == ATTRACTS
 
 
+def test_norms_stand_in_tables_of_regions() -> None:
+    near, beyond = {"where": ["x > 0"], "rhs": [f"y - x/{N}", f"-x - y/{N}"]}, {"rhs": [f"y - x/(1 + {N})", "-x - y"]}
+    scene = ns.System.of_document({"system": {"states": ["x", "y"]}, "region": [near, beyond]})
+    assert scene.check().verdict == ATTRACTS
+    beyond["rhs"][1] = "-x - sqrt(x)"
+    with pytest.raises(ns.SceneError, match=r"region\[2\].rhs\[2\]"):
+        ns.System.of_document({"system": {"states": ["x", "y"]}, "region": [near, beyond]})
+
+
 def test_a_norm_that_cancels_leaves_an_exact_field() -> None:
     result = system(f"-x/{N}; -y/{N}").check()
     assert {"attracts": "everywhere"} in result.certificate()["statement"]["claims"]
