@@ -158,6 +158,12 @@ def _square(node: ast.expr, states: Collection[str]) -> Square | None:
         case ast.BinOp(left=left, op=ast.Mult(), right=right):
             if ast.dump(left) == ast.dump(right):
                 return Fraction(1), left
+            if (
+                isinstance(left, ast.BinOp)
+                and isinstance(left.op, ast.Mult)
+                and ast.dump(left.right) == ast.dump(right)
+            ):
+                return _scaled((Fraction(1), right), _rational(left.left))  # 3*y*y
             factor, inner = (left, right) if names_of(left).isdisjoint(states) else (right, left)
             return _scaled(_square(inner, states), _rational(factor))
         case ast.BinOp(left=left, op=ast.Div(), right=right):
