@@ -131,6 +131,15 @@ def _names_in(formulas: Iterable[object]) -> set[str]:
     return {name for tree in trees if tree is not None for name in names_of(tree)}
 
 
+def has_norms(formulas: Sequence[object], states: Collection[str]) -> bool:
+    """Whether roots of sums of squares of states stand in some formulas."""
+    if not any(ROOTS.search(str(formula)) for formula in formulas):
+        return False
+    from nonsmooth.symbolic.formulas.norms import holds_norms
+
+    return any(holds_norms(formula, states) for formula in formulas)
+
+
 def _with_norms(
     lists: Sequence[Side],
     clearing: Clearing,
@@ -139,7 +148,7 @@ def _with_norms(
     file: str,
 ) -> tuple[Clearing, list[Side]]:
     """All lists with names in place of norms and of entries of unit vectors, and what these mean."""
-    if not any(ROOTS.search(str(formula)) for _, side in lists for formula in side):
+    if not has_norms([formula for _, side in lists for formula in side], clearing.states):
         return clearing, list(lists)
     from nonsmooth.symbolic.formulas.norms import named_norms
     from nonsmooth.symbolic.formulas.unit_vectors import with_unit_entries

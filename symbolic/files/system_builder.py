@@ -18,6 +18,7 @@ from typing import Any
 
 from nonsmooth.symbolic.files.right_hand_sides import (
     float_point,
+    has_norms,
     intervals_in,
     rational_point,
     read_right_hand_sides,
@@ -343,7 +344,7 @@ def _whole(
         complete = with_parameters(formula, texts)
         if ".where[" in key and (has_waves(complete) or intervals_in((formula,), intervals)):
             raise SceneError(file, key, "a guard without interval parameters and sines of states", formula)
-        if not has_waves(complete):
+        if not has_waves(complete) and (".where[" in key or not has_norms((complete,), states)):
             parse_lyapunov(complete, states, file, key)
 
     return regions_as_formulas(document.region, states, check, file, overlap=overlap)

@@ -158,6 +158,12 @@ def _square(node: ast.expr, states: Collection[str]) -> Square | None:
         case ast.BinOp(left=left, op=ast.Mult(), right=right):
             if ast.dump(left) == ast.dump(right):
                 return Fraction(1), left
+            if (
+                isinstance(left, ast.BinOp)
+                and isinstance(left.op, ast.Mult)
+                and ast.dump(left.right) == ast.dump(right)
+            ):
+                return _scaled((Fraction(1), right), _rational(left.left))  # 3*y*y
             factor, inner = (left, right) if names_of(left).isdisjoint(states) else (right, left)
             return _scaled(_square(inner, states), _rational(factor))
         case ast.BinOp(left=left, op=ast.Div(), right=right):
@@ -191,6 +197,12 @@ def _norm_of(node: ast.AST, states: Collection[str]) -> tuple[ast.expr, int] | N
     return None
 
 
+def holds_norms(formula: object, states: Collection[str]) -> bool:
+    """Whether a root of a sum of squares of states stands in a formula."""
+    tree = readable_tree(formula)
+    return tree is not None and any(_norm_of(node, states) for node in ast.walk(tree))
+
+
 def named_norms(
     lists: Sequence[Sequence[object]], point: Mapping[str, Fraction | None], taken: Collection[str]
 ) -> tuple[list[tuple[object, ...]], tuple[Norm, ...]]:
@@ -213,16 +225,15 @@ def named_norms(
         argument, exponent = written(found[0]), found[1]
         if argument not in norms:
             name = NAMED.format(len(norms) + 1)
-            while any(name in other for other in taken):  # other names are made of this one
+            while any(name in other for other in taken):  # entries of unit vectors are named after their norm
                 name += "_"
             norms[argument] = Norm(NORM, argument, name, _value_at(found[0], point))
         size = power(ast.Name(norms[argument].name), abs(exponent))
         return size if exponent > 0 else quotient(ONE, size)
 
     def named(formula: object) -> object:
-        tree = readable_tree(formula)
-        is_held = tree is not None and any(_norm_of(node, states) for node in ast.walk(tree))
-        return written(replaced(tree, change)) if tree is not None and is_held else formula
+        tree = readable_tree(formula) if holds_norms(formula, states) else None
+        return formula if tree is None else written(replaced(tree, change))
 
     found = [tuple(map(named, formulas)) for formulas in lists]
     if len(norms) > MAX_NORMS:

@@ -69,6 +69,7 @@ def rational(drawn: Random) -> Fraction:
         "(x + 1)**2 + (y - 3/4)**2",
         "(3*x + 3)**2 + 16 + z**2",
         "4*(x - y/3)**2",
+        "x*x + 3*y*y",
         "(x + 3/2)**2",
     ],
 )
@@ -195,6 +196,21 @@ def test_it_is_decided_with_a_certificate(text: str) -> None:
     certificate = result.certificate()
     assert {"stability": result.verdict} in certificate["statement"]["claims"]
     assert not refusal(certificate, len(certificate_text(certificate)))
+
+
+@pytest.mark.parametrize("name", ["unit_1_norm_1", "inverse_norm_1"])
+def test_states_may_be_named_as_norms_are(name: str) -> None:
+    unit, turned = f"y - 2*x/{N} + {name}", f"-x - 2*y/{N} + x*{name}/4"
+    assert ns.System(["x", "y", name], [unit, turned, f"-{name} + x"]).check().verdict == ATTRACTS
+
+
+def test_norms_stand_in_tables_of_regions() -> None:
+    near, beyond = {"where": ["x > 0"], "rhs": [f"y - x/{N}", f"-x - y/{N}"]}, {"rhs": [f"y - x/(1 + {N})", "-x - y"]}
+    scene = ns.System.of_document({"system": {"states": ["x", "y"]}, "region": [near, beyond]})
+    assert scene.check().verdict == ATTRACTS
+    beyond["rhs"][1] = "-x - sqrt(x)"
+    with pytest.raises(ns.SceneError, match=r"region\[2\].rhs\[2\]"):
+        ns.System.of_document({"system": {"states": ["x", "y"]}, "region": [near, beyond]})
 
 
 def test_a_norm_that_cancels_leaves_an_exact_field() -> None:
