@@ -299,8 +299,10 @@ def extreme_velocities(fields: Sequence[tuple[Mask, Floats]], normals: Sequence[
         The numbers of the points in ascending order, of shape (k,), and a velocity there, of shape (k, n).
     """
     target = np.r_[np.zeros(len(normals)), 1.0]
+    # More velocities than independent normals and one are mixtures of mixtures of fewer (Caratheodory).
+    rank = int(np.linalg.matrix_rank(np.stack(normals, axis=1)).max(initial=0)) if normals else 0
     found = []
-    for size in range(1, len(normals) + 2):
+    for size in range(1, rank + 2):
         for chosen in combinations(fields, size):
             (own,) = np.nonzero(np.all([acts for acts, _ in chosen], axis=0))
             velocities = np.stack([velocity[own] for _, velocity in chosen], axis=2)
