@@ -309,8 +309,7 @@ def affine_parts(node: ast.expr, name: str, square: ast.expr | None, text: str) 
             without, factor = affine_parts(node.left, name, square, text)
             return quotient(without, node.right), ZERO if factor is ZERO else quotient(factor, node.right)
         case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(exponent))) if exponent > 1:
-            product_ = multiplied(*[node.left] * exponent)
-            return affine_parts(product_, name, square, text)
+            return affine_parts(multiplied(*[node.left] * exponent), name, square, text)
     raise ExpressionError(
         f"required roots such as {EXAMPLE} in sums, products and quotients only, received {shown(text)}"
     )
@@ -323,21 +322,22 @@ def at_ends(
     formulas: Sequence[object], norms: Sequence[Bounded], states: Collection[str], order: int
 ) -> list[list[object]]:
     """Lists of formulas whose hull holds some that are affine in norms: with each of these at its bounds, all alike."""
-    named, trees = {own.name for own in norms}, list(map(readable_tree, formulas))
-    held = [own for own in norms if any(tree is not None and own.name in names_of(tree) for tree in trees)]
-    bounds = [own.bounds(states, order) for own in held]
+    trees = map(readable_tree, formulas)
+    names = {name for tree in trees if tree is not None for name in names_of(tree)}
+    held = [own for own in norms if own.name in names]
     found = []
-    for chosen in product(*bounds):
-        meanings = dict(zip((own.name for own in held), chosen, strict=True))
-        found.append(
-            [
-                formula
-                if tree is None or named.isdisjoint(names_of(tree))
-                else written(tidied(with_names(tree, meanings)))
-                for formula, tree in zip(formulas, trees, strict=True)
-            ]
-        )
+    for chosen in product(*(own.bounds(states, order) for own in held)):
+        meanings = {own.name: bound for own, bound in zip(held, chosen, strict=True)}
+        found.append([with_meanings(formula, meanings) for formula in formulas])
     return found
+
+
+def with_meanings(formula: object, meanings: Mapping[str, ast.expr]) -> object:
+    """A formula with others in place of names; as it is written where it holds none of these."""
+    tree = readable_tree(formula)
+    if tree is None or meanings.keys().isdisjoint(names_of(tree)):
+        return formula
+    return written(tidied(with_names(tree, meanings)))
 
 
 def _beside_root(norm: Norm, squares: Sequence[Square], order: int) -> tuple[ast.expr, ...]:

@@ -18,7 +18,16 @@ from fractions import Fraction
 from flint import Ordering, fmpq, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx
 
 from nonsmooth.symbolic.formulas.enclosed_functions import INVERSE, NORM, UNIT, Wave
-from nonsmooth.symbolic.formulas.norms import Bounded, Norm, Square, affine_parts, exact_root, root_beside, squares_in
+from nonsmooth.symbolic.formulas.norms import (
+    Bounded,
+    Norm,
+    Square,
+    affine_parts,
+    exact_root,
+    root_beside,
+    squares_in,
+    with_meanings,
+)
 from nonsmooth.symbolic.formulas.trees import (
     ONE,
     ZERO,
@@ -28,15 +37,12 @@ from nonsmooth.symbolic.formulas.trees import (
     formula_tree,
     minus,
     multiplied,
-    names_of,
     number,
     plus,
     quotient,
-    readable_tree,
     replaced,
     tidied,
     total,
-    with_names,
     written,
 )
 
@@ -126,16 +132,9 @@ def by_inverses(formulas: Sequence[object], norms: Sequence[Bounded]) -> tuple[l
     """Formulas with the names of ``1/s`` in place of those of entries, and what all names of roots mean."""
     entries = [own for own in norms if isinstance(own, UnitEntry)]
     meanings = {own.name: own.by_inverse for own in entries}
-
-    def by_inverse(formula: object) -> object:
-        tree = readable_tree(formula)
-        if tree is None or names_of(tree).isdisjoint(meanings):
-            return formula
-        return written(tidied(with_names(tree, meanings)))
-
     inverses = {own.inverse: Wave(INVERSE, own.argument, own.inverse) for own in entries}
     roots = [own for own in norms if own.kind == NORM]
-    return list(map(by_inverse, formulas)), (*roots, *inverses.values())
+    return [with_meanings(formula, meanings) for formula in formulas], (*roots, *inverses.values())
 
 
 def _is_zero_elsewhere(squares: Sequence[Square], states: Collection[str]) -> bool:
