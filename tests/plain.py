@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
@@ -40,3 +41,19 @@ def refused(record: Any) -> str:
     """Why the checker rejects a certificate that was written and read; empty where it does not."""
     text = json.dumps(record)
     return refusal(json.loads(text), len(text))
+
+
+def stated(text: str, **options: Any) -> ns.System:
+    """A system of Python in x, y and z: its formulas, with semicolons between them."""
+    rhs = [side.strip() for side in text.split(";")]
+    return ns.System(list("xyz"[: len(rhs)]), rhs, **options)
+
+
+def decided_with_certificate(system: ns.System, verdict: str) -> ns.SystemCheckResult:
+    """The check of a system, of which the verdict is this one, and stated by a certificate that the checker accepts."""
+    result = system.check()
+    assert result.verdict == verdict
+    certificate = result.certificate()
+    assert {"stability": verdict} in certificate["statement"]["claims"]
+    assert not refused(certificate)
+    return result

@@ -12,11 +12,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
-from nonsmooth.proofs.checker.statements import refusal
-from nonsmooth.proofs.system_certificates import certificate_text
 from nonsmooth.symbolic.formulas.norms import RATIONAL, affine_in_norms, named_norms
 from nonsmooth.symbolic.formulas.trees import float_value, formula_tree, written
 from nonsmooth.symbolic.formulas.unit_vectors import UnitEntry, with_unit_entries
+from tests.plain import decided_with_certificate, stated
 from tests.thorough import keep
 
 ATTRACTS, LEAVES = "asymptotically stable", "unstable"
@@ -47,11 +46,6 @@ DECIDED = {
     f"sqrt(2)*y*{N} - x; -sqrt(3)*y": ATTRACTS,
     f"y - x*Abs(x)/{N}; -x - y/{N}": ATTRACTS,
 }
-
-
-def system(text: str, **options: object) -> ns.System:
-    rhs = [side.strip() for side in text.split(";")]
-    return ns.System(list("xyz"[: len(rhs)]), rhs, **options)  # type: ignore[arg-type]
 
 
 def rational(drawn: Random) -> Fraction:
@@ -140,10 +134,8 @@ def exact_of(entry: UnitEntry, place: dict[str, Fraction]) -> Fraction:
 def test_unit_control_falls_as_fast_as_is_said(text: str) -> None:
     """The derivative of V along the stated field at places of the domain, in floats."""
     radius = ATTRACTS_AND_NOT_SCALED[text]
-    result = system(text, radius=str(Fraction(radius))).check()
-    assert result.verdict == ATTRACTS
+    result = decided_with_certificate(stated(text, radius=str(Fraction(radius))), ATTRACTS)
     certificate = result.certificate()
-    assert not refusal(certificate, len(certificate_text(certificate)))
     (rate,) = (own["rate"] for own in certificate["statement"]["claims"] if "rate" in own)
     names, noise = "xyz"[: text.count(";") + 1], np.random.default_rng(0)
     field = compile(f"[{text.replace(';', ',')}]", "field", "eval")
@@ -192,11 +184,7 @@ def test_formulas_become_affine_and_keep_their_values() -> None:
 
 @pytest.mark.parametrize("text", keep(6, DECIDED))
 def test_it_is_decided_with_a_certificate(text: str) -> None:
-    result = system(text).check()
-    assert result.verdict == DECIDED[text]
-    certificate = result.certificate()
-    assert {"stability": result.verdict} in certificate["statement"]["claims"]
-    assert not refusal(certificate, len(certificate_text(certificate)))
+    decided_with_certificate(stated(text), DECIDED[text])
 
 
 @pytest.mark.parametrize("name", ["unit_1_norm_1", "inverse_norm_1"])
@@ -215,7 +203,7 @@ def test_norms_stand_in_tables_of_regions() -> None:
 
 
 def test_a_norm_that_cancels_leaves_an_exact_field() -> None:
-    result = system(f"-x/{N}; -y/{N}").check()
+    result = stated(f"-x/{N}; -y/{N}").check()
     assert {"attracts": "everywhere"} in result.certificate()["statement"]["claims"]
     assert len(result.certificate()["statement"]["subject"]["rhs"]) == 1
 
@@ -234,7 +222,7 @@ def test_a_norm_that_cancels_leaves_an_exact_field() -> None:
 )
 def test_other_roots_and_other_places_are_refused(text: str, said: str) -> None:
     with pytest.raises(ns.SceneError, match=said):
-        system(text).check()
+        stated(text).check()
 
 
 @pytest.mark.parametrize("place", [(0, 0), (1, -2)])
@@ -251,7 +239,7 @@ def test_a_path_comes_to_the_point_when_its_distance_says(place: tuple[int, int]
 
 
 def test_a_path_ends_where_the_norm_is_zero() -> None:
-    path = system("y - 2*x/S + z; -x - 2*y/S; -z + x".replace("S", N)).simulate(start=(0.3, 0.2, 0.5), until=3)
+    path = stated("y - 2*x/S + z; -x - 2*y/S; -z + x".replace("S", N)).simulate(start=(0.3, 0.2, 0.5), until=3)
     end = path.facts()["end"]
 
     def field(t: float, state: np.ndarray) -> list[float]:
@@ -271,7 +259,7 @@ def test_a_path_ends_where_the_norm_is_zero() -> None:
 
 def test_paths_are_those_of_the_stated_field() -> None:
     text = f"y - x*{N} + sin(x)*{N}; -x/(1 + {N}) - y"
-    end = system(text).simulate(start=(0.8, -0.5), until=3).facts()["end"]
+    end = stated(text).simulate(start=(0.8, -0.5), until=3).facts()["end"]
 
     def field(t: float, state: np.ndarray) -> list[float]:
         x, y = state
@@ -284,15 +272,15 @@ def test_paths_are_those_of_the_stated_field() -> None:
 
 def test_where_a_solution_rests_is_asked_of_the_field_and_not_of_its_bounds() -> None:
     """Away from the point the bounds differ: between these a field is zero that is none of the system."""
-    record = system("sqrt((x + 3/5)**2 + (y + 4/5)**2) - 1 - 1/1000; -y").check().facts()
+    record = stated("sqrt((x + 3/5)**2 + (y + 4/5)**2) - 1 - 1/1000; -y").check().facts()
     assert record["equilibrium"]["verdict"] == "fails"
-    rests = system("sqrt((x + 3/5)**2 + (y + 4/5)**2) - 1; -y").check().facts()
+    rests = stated("sqrt((x + 3/5)**2 + (y + 4/5)**2) - 1; -y").check().facts()
     assert rests["equilibrium"]["verdict"] == "holds"
 
 
-def test_certificates_name_the_scene_that_they_are_about(tmp_path: object) -> None:
+def test_certificates_name_the_scene_that_they_are_about() -> None:
     text = f"y - x/{N}; -x - y/{N}"
-    certificate = system(text).check().certificate()
+    certificate = stated(text).check().certificate()
     assert certificate["notes"]["stated"] == [[own.strip() for own in text.split(";")]]
     assert "roots of sums of squares" in certificate["notes"]["right-hand sides"]
 

@@ -8,9 +8,8 @@ from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.kernel.subject import NoCertificateError
-from nonsmooth.proofs.system_certificates import certificate_text
+from tests.plain import decided_with_certificate, stated
 from tests.thorough import keep
 
 ATTRACTS, STAYS, LEAVES = "asymptotically stable", "stable", "unstable"
@@ -26,24 +25,15 @@ DECIDED = {
 }
 
 
-def system(text: str) -> ns.System:
-    rhs = [side.strip() for side in text.split(";")]
-    return ns.System(list("xyz"[: len(rhs)]), rhs)
-
-
 @pytest.mark.parametrize("text", keep(4, DECIDED))
 def test_it_is_decided_with_a_certificate(text: str) -> None:
-    result = system(text).check()
-    assert result.verdict == DECIDED[text]
-    certificate = result.certificate()
-    assert {"stability": result.verdict} in certificate["statement"]["claims"]
-    assert not refusal(certificate, len(certificate_text(certificate)))
+    result = decided_with_certificate(stated(text), DECIDED[text])
     assert result.facts()["lyapunov"]["rate"] is None  # it would be one of another time
 
 
 def test_a_point_that_solutions_pass_is_no_equilibrium() -> None:
     """``x' = 1``, written as a quotient: the cleared field is zero there."""
-    record = system("(Abs(x) + Abs(y))/(Abs(x) + Abs(y)); -y").check().facts()
+    record = stated("(Abs(x) + Abs(y))/(Abs(x) + Abs(y)); -y").check().facts()
     assert record["translation"]["verdict"] == LEAVES
     assert record["equilibrium"]["verdict"] == "undecided"
 
@@ -61,7 +51,7 @@ def test_a_point_that_solutions_pass_is_no_equilibrium() -> None:
 )
 def test_what_has_no_bound_or_sign_is_refused(text: str, said: str) -> None:
     with pytest.raises(ns.SceneError, match=said):
-        system(text).check()
+        stated(text).check()
 
 
 @pytest.mark.parametrize(("gain", "slope"), keep(1, [(2, 1), (1, 1), (5, 2), (1, 3)]))
@@ -86,7 +76,7 @@ def test_a_path_comes_to_the_point_when_other_steps_do(gain: int, slope: int) ->
 
 def test_a_path_from_the_point_is_refused() -> None:
     with pytest.raises(TrajectoryError, match="a denominator is zero"):
-        system("-x/(Abs(x) + Abs(y)); -y/(Abs(x) + Abs(y))").simulate(start=(0, 0), until=1)
+        stated("-x/(Abs(x) + Abs(y)); -y/(Abs(x) + Abs(y))").simulate(start=(0, 0), until=1)
 
 
 @pytest.mark.parametrize("method", ["events", "smoothed", "hysteresis"])
@@ -118,12 +108,12 @@ def test_a_field_without_surfaces_is_followed_with_hysteresis() -> None:
 
 def test_a_denominator_without_the_state_under_a_root_is_read() -> None:
     """The sizes of roots are no directions in which its sign is looked at."""
-    found = system("y; -sqrt(Abs(x))*sign(x) - y*Abs(y)/(Abs(x) + Abs(y))").check()
+    found = stated("y; -sqrt(Abs(x))*sign(x) - y*Abs(y)/(Abs(x) + Abs(y))").check()
     assert found.verdict == ATTRACTS
 
 
 def test_beside_roots_and_sines_a_verdict_without_a_certificate_says_so() -> None:
-    result = system(f"y; {QUASI.format(2, 1)} + sin(x)").check()
+    result = stated(f"y; {QUASI.format(2, 1)} + sin(x)").check()
     assert result.verdict == ATTRACTS
     with pytest.raises(NoCertificateError, match="denominators with states beside roots and sines"):
         result.certificate()
