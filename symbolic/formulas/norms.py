@@ -155,21 +155,25 @@ def _square(node: ast.expr, states: Collection[str]) -> Square | None:
     match node:
         case ast.BinOp(left=base, op=ast.Pow(), right=ast.Constant(value=int(exponent))) if exponent % 2 == 0:
             return Fraction(1), power(base, exponent // 2)
-        case ast.BinOp(left=left, op=ast.Mult(), right=right):
-            if ast.dump(left) == ast.dump(right):
-                return Fraction(1), left
-            if (
-                isinstance(left, ast.BinOp)
-                and isinstance(left.op, ast.Mult)
-                and ast.dump(left.right) == ast.dump(right)
-            ):
-                return _scaled((Fraction(1), right), _rational(left.left))  # 3*y*y
-            factor, inner = (left, right) if names_of(left).isdisjoint(states) else (right, left)
-            return _scaled(_square(inner, states), _rational(factor))
+        case ast.BinOp(op=ast.Mult()):
+            numbers, others = _factors(node, states)
+            if len(others) == 2 and ast.dump(others[0]) == ast.dump(others[1]):
+                return _scaled((Fraction(1), others[0]), _rational(multiplied(*numbers)))
+            own = _square(others[0], states) if len(others) == 1 else None
+            return _scaled(own, _rational(multiplied(*numbers)))
         case ast.BinOp(left=left, op=ast.Div(), right=right):
             value = _rational(right)
             return _scaled(_square(left, states), 1 / value if value else None)
     return None
+
+
+def _factors(node: ast.expr, states: Collection[str]) -> tuple[list[ast.expr], list[ast.expr]]:
+    """The factors of a product without states, and those with some."""
+    match node:
+        case ast.BinOp(left=left, op=ast.Mult(), right=right):
+            (numbers, others), (more, beside) = _factors(left, states), _factors(right, states)
+            return numbers + more, others + beside
+    return ([node], []) if names_of(node).isdisjoint(states) else ([], [node])
 
 
 def _scaled(own: Square | None, factor: Fraction | None) -> Square | None:
