@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
 from math import inf, isfinite, nan, sqrt
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -33,6 +33,9 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SeenByRoots, SwitchedSystem, require_single, signs_by_factors
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.norm_zeros import NormZero, NormZeros
 
 AT_POINT = 2.0**-38  # of the checked radius: as near to the point a path is at it
 POINT_SLACK = 2.0**-48  # relative to the entries of the checked point
@@ -71,7 +74,8 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
         return _Polynomials(system.velocity(sign_of, states)).velocity
 
     size = max(system.check.half_width, *(abs(float(value)) for value in start), 0.0)
-    return SignField(system.states, tuple(_surface(surface) for surface in surfaces), flow, size)
+    field = SignField(system.states, tuple(_surface(surface) for surface in surfaces), flow, size)
+    return replace(field, zeros=_norm_zeros(system, field, surfaces, states))
 
 
 def _stated_surfaces(system: SwitchedSystem, states: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
@@ -163,8 +167,21 @@ def _with_waves(
 ) -> Callable[..., Numbers]:
     """The values of formulas that are polynomials in the states and in the values of norms, sines and the like."""
     waves = system.rewriting.names
+    rates = _Polynomials(_named_polynomials(system, formulas, sign_of, states)).at
     if not waves:
-        return _Polynomials([own.polynomial(system.named(states), sign_of) for own in formulas]).at
+        return rates
+    nearest = AT_POINT * system.check.half_width
+    values = _values_of_names(system, sign_of, states, partial(_inverse_of, nearest=nearest))
+    return lambda *x: rates(*x, *values(*x))
+
+
+def _named_polynomials(
+    system: SwitchedSystem, formulas: Sequence[PiecewiseExpression], sign_of: SignOf, states: Sequence[Polynomial]
+) -> list[Polynomial]:
+    """Formulas as polynomials in the states and in the names of norms, sines and the like."""
+    waves = system.rewriting.names
+    if not waves:
+        return [own.polynomial(system.named(states), sign_of) for own in formulas]
     variables = (*system.states, *(wave.name for wave in waves))
     beside = (0,) * len(waves)
 
@@ -176,16 +193,109 @@ def _with_waves(
 
     values = dict(zip(system.states, map(extended, states), strict=True))
     values |= {wave.name: Polynomial.variable(system.field, variables, wave.name) for wave in waves}
-    rates = _Polynomials([own.polynomial(values, sign_of_states) for own in formulas]).at
+    return [own.polynomial(values, sign_of_states) for own in formulas]
+
+
+def _norm_zeros(
+    system: SwitchedSystem, field: SignField, surfaces: Sequence[Polynomial], states: Sequence[Polynomial]
+) -> NormZeros | None:
+    """Where norms are zero that the stated field divides by; None where there are none, and with other fractions."""
+    sets = _zeros_of_norms(system, states)
+    if not sets or system.rewriting.scale is not None:
+        return None
+    from nonsmooth.analysis.fields.norm_zeros import NormZeros
+
+    nearest, count = AT_POINT * system.check.half_width, len(states)
+    places = {wave.argument: count + k for k, wave in enumerate(system.rewriting.names) if wave.kind == INVERSE}
+
+    def flow(signs: Signs, held: tuple[int, ...]) -> Velocity:
+        sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
+        rates = _named_polynomials(system, system.rewriting.named_rhs, sign_of, states)
+        values = _values_of_names(system, sign_of, states, lambda size: 1 / max(size, nearest))
+        if not held:
+            at = _Polynomials(rates).at
+            return ScalarVelocity(lambda *x: at(*x, *values(*x)))
+        chosen = [list(sets)[k] for k in held]
+        return _keeping_to([sets[own] for own in chosen], rates, values, [places[own] for own in chosen])
+
+    @cache
+    def on_zeros(held: tuple[int, ...]) -> SignField:
+        return replace(field, flow=cache(partial(flow, held=held)))
+
+    return NormZeros(tuple(sets.values()), on_zeros)
+
+
+def _keeping_to(
+    zeros: Sequence[NormZero], rates: Sequence[Polynomial], values: Callable[..., Numbers], inverses: Sequence[int]
+) -> Velocity:
+    """The motion that keeps to zeros of norms s.
+
+    What stands over s is ``sum_k m_k b_k`` with the b_k of which s is the norm: it vanishes there, so its derivatives
+    by the states are ``sum_k m_k grad b_k``, and times a displacement what stands with the unit vector of that.
+
+    Args:
+        zeros: of the norms.
+        rates: polynomials in the states and in names, affine in the names of all 1/s together.
+        values: of the names at a state.
+        inverses: the numbers of the names of 1/s among all variables.
+
+    Raises:
+        NoVelocityError: for products of unit vectors.
+    """
+    from nonsmooth.analysis.fields.norm_zeros import HeldVelocity
+
+    if any(sum(exponents[k] for k in inverses) > 1 for rate in rates for exponents in rate.terms):
+        raise NoVelocityError("products of unit vectors leave open what follows where their norms are zero")
+    count, variables = len(rates), rates[0].variables
+    alone = _Polynomials([_without(rate, inverses) for rate in rates]).at
+    over = [[rate.derivative(variables[k]) for rate in rates] for k in inverses]
+    slopes = _Polynomials([part.derivative(name) for own in over for part in own for name in variables[:count]]).at
+
+    def slopes_at(x: Floats) -> Floats:
+        own = x.tolist()
+        return np.array(slopes(*own, *values(*own))).reshape(len(zeros), count, count)
+
+    return HeldVelocity(zeros, lambda x: np.array(alone(*x.tolist(), *values(*x.tolist()))), slopes_at)
+
+
+def _without(rate: Polynomial, places: Sequence[int]) -> Polynomial:
+    """The terms without some of the variables."""
+    terms = {e: c for e, c in rate.terms.items() if not any(e[k] for k in places)}
+    return Polynomial(rate.field, rate.variables, terms)
+
+
+def _values_of_names(
+    system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynomial], inverse_of: Callable[[float], float]
+) -> Callable[..., Numbers]:
+    """What the names of norms, sines and the like are at a state; of what is over a norm a function of that."""
+    waves = system.rewriting.names
     inner = _Polynomials([system.argument_of(wave, states, sign_of) for wave in waves]).at
-    nearest = (AT_POINT * system.check.half_width) ** 2
-    roots: dict[str, Callable[[float], float]] = {NORM: _root, INVERSE: partial(_inverse_root, nearest=nearest)}
-    functions = [roots.get(wave.kind) or getattr(math, wave.kind) for wave in waves]
+    functions = [_root if own.kind in (NORM, INVERSE) else getattr(math, own.kind) for own in waves]
+    # Of a norm that is zero on a line or more the square, multiplied out, is a small difference of large numbers.
+    sizes = _zeros_of_norms(system, states)
+    near = [(k, sizes[own.argument].size) for k, own in enumerate(waves) if own.argument in sizes]
+    over = [k for k, own in enumerate(waves) if own.kind == INVERSE]
 
-    def at(*x: float) -> Numbers:
-        return rates(*x, *[own(v) if isfinite(v) else nan for own, v in zip(functions, inner(*x), strict=True)])
+    def values(*x: float) -> Numbers:
+        found = [own(v) if isfinite(v) else nan for own, v in zip(functions, inner(*x), strict=True)]
+        for k, size in near:
+            found[k] = size(*x)
+        for k in over:
+            found[k] = inverse_of(found[k])
+        return tuple(found)
 
-    return at
+    return values
+
+
+def _zeros_of_norms(system: SwitchedSystem, states: Sequence[Polynomial]) -> dict[str, NormZero]:
+    """The places where norms are zero that the stated field divides by, by what stands under the root."""
+    arguments = [wave.argument for wave in system.rewriting.names if wave.kind == INVERSE]
+    if not arguments:
+        return {}
+    from nonsmooth.analysis.fields.norm_zeros import norm_zero
+
+    squares = {wave.argument: system.argument_of(wave, states) for wave in system.rewriting.names}
+    return {own: norm_zero(squares[own], f"sqrt({own})") for own in arguments}
 
 
 def _root(square: float) -> float:
@@ -193,15 +303,15 @@ def _root(square: float) -> float:
     return sqrt(max(square, 0.0))
 
 
-def _inverse_root(square: float, nearest: float) -> float:
-    """One over the root of a sum of squares that is larger than the least one that counts.
+def _inverse_of(size: float, nearest: float) -> float:
+    """One over a norm that is larger than the least one that counts.
 
     Raises:
         NoVelocityError: elsewhere.
     """
-    if square <= nearest:
+    if size <= nearest:
         raise NoVelocityError("the field has no value where a root of a sum of squares in a denominator is zero")
-    return 1 / sqrt(square)
+    return 1 / size
 
 
 def constant_system(system: SwitchedSystem) -> ConstantField | None:

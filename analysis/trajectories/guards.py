@@ -191,14 +191,16 @@ class Guard:
 
 
 class FaceGuards(Guards):
-    """The guards of a choice, where a path begins to follow it.
+    """The guards of a choice, where a path begins to follow it, and further ones.
 
     Attributes:
         surfaces: the bound that each of them is; None for the others.
+        first_further: the number of the first of the further ones.
     """
 
-    def __init__(self, field: FacedField, choice: FaceChoice, t: float, x: Floats) -> None:
-        self._own = guards_of(field, choice, t, x)
+    def __init__(self, of_face: Sequence[Guard], further: Sequence[Guard] = ()) -> None:
+        self._own = [*of_face, *further]
+        self.first_further = len(of_face)
         self.slacks = [guard.slack for guard in self._own]
         self.surfaces = [guard.surface for guard in self._own]
 
@@ -234,7 +236,7 @@ def guards_of(field: FacedField, choice: FaceChoice, t: float, x: Floats) -> lis
     """Bounds of the face, then normal speeds of its members or the least weight of its mode."""
     motion, face = choice.motion, choice.motion.face
     if isinstance(motion, WhirlMotion):
-        return [Guard(motion.lasts, GUARD_SLACK, _difference(motion.lasts, field.size))]
+        return [Guard(motion.lasts, GUARD_SLACK, by_difference(motion.lasts, field.size))]
     guards = [_bound(surface, side, GUARD_SLACK * field.size, x) for surface, side in face.bounds]
     if motion.is_pair:
         guards.append(_tangent(field, motion))
@@ -243,7 +245,7 @@ def guards_of(field: FacedField, choice: FaceChoice, t: float, x: Floats) -> lis
     if choice.orders is not None:
         guards += _exits(field, choice, max_norm(motion.fields(t, x)))
     elif face.keep and len(face.members) > 1:
-        guards.append(Guard(motion.least_weight, WEIGHT_SLACK, _difference(motion.least_weight, field.size)))
+        guards.append(Guard(motion.least_weight, WEIGHT_SLACK, by_difference(motion.least_weight, field.size)))
     return guards
 
 
@@ -269,7 +271,7 @@ def _exits(field: FacedField, choice: FaceChoice, scale: float) -> list[Guard]:
         if order or other:
             value = _exit(choice.motion, member, order or -other)
             slack = GUARD_SLACK if order else IS_TANGENT * TANGENT_SLACK
-            guards.append(Guard(value, slack * scale, _difference(value, field.size)))
+            guards.append(Guard(value, slack * scale, by_difference(value, field.size)))
     return guards
 
 
@@ -293,7 +295,7 @@ def _tangent(field: FacedField, motion: FaceMotion) -> Guard:
     return Guard(value, GUARD_SLACK, lambda t, x, velocity: 0.0)
 
 
-def _difference(value: Callable[[float, Floats], float], size: float) -> Callable[[float, Floats, Floats], float]:
+def by_difference(value: Callable[[float, Floats], float], size: float) -> Callable[[float, Floats, Floats], float]:
     """The derivative of a guard along a motion, by a short step ahead."""
 
     def slope(t: float, x: Floats, velocity: Floats) -> float:

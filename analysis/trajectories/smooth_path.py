@@ -17,6 +17,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Surface, length
 from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion, face_choices, largest
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stepper, Stretch, escapes, follow
@@ -24,8 +25,10 @@ from nonsmooth.analysis.trajectories.guards import (
     GAIN_DOUBT,
     WHIRL_LOOP,
     FaceGuards,
+    Guard,
     SurfaceCrossing,
     WhirlMotion,
+    guards_of,
     last_turn,
     turning_gain,
     whirl_around,
@@ -87,7 +90,7 @@ def follow_smooth(
         ValueError: for a start outside the domain.
         TrajectoryError: for a violated Lyapunov bound or a state without continuation.
     """
-    faces = FilippovFaces(field, watch, meter or WorkMeter(MAX_WORK), max_events)
+    faces = _faces_of(field)(field, watch, meter or WorkMeter(MAX_WORK), max_events)
     return faces.path(start, until, stepper or near_rounding(field))
 
 
@@ -108,6 +111,15 @@ def follow_legs(
     faces = FilippovFaces(field, None, WorkMeter(MAX_WORK), MAX_EVENTS)
     path = faces.path(start, until, near_rounding(field, coarseness))
     return path, tuple(faces.legs)
+
+
+def _faces_of(field: FacedField) -> type[FilippovFaces]:
+    """Who follows a field."""
+    if not isinstance(field, SignField) or field.zeros is None:
+        return FilippovFaces
+    from nonsmooth.analysis.trajectories.norm_path import FacesAndZeros
+
+    return FacesAndZeros
 
 
 def near_rounding(field: FacedField, coarseness: float = 1.0) -> StiffAware:
@@ -151,20 +163,27 @@ class Leg(NamedTuple):
         return self.stretch.at(time)
 
 
-class _FaceMode(Mode):
+class FaceMode(Mode):
     """One of the motions on a face."""
 
-    def __init__(self, field: FacedField, choice: FaceChoice, path: Path, meter: WorkMeter) -> None:
+    def __init__(
+        self, field: FacedField, choice: FaceChoice, path: Path, meter: WorkMeter, further: Sequence[Guard]
+    ) -> None:
         self.motion, self.rate = choice.motion, choice.motion.velocity
         self.place = self.motion.face.name
         self.cells = tuple(member.name for member in self.motion.face.members)
-        self.guards = self._bounds = FaceGuards(field, choice, path.time, path.state)
+        self.guards = self._bounds = FaceGuards(guards_of(field, choice, path.time, path.state), further)
         self._meter, self._until = meter, path.until
 
     def met(self, guard: int | None) -> tuple[Surface, ...]:
         """The surface on which a guard falls, if it is one of the face's bounds."""
         surface = None if guard is None else self._bounds.surfaces[guard]
         return () if surface is None else (surface,)
+
+    def further_met(self, guard: int | None) -> int | None:
+        """Which of the further guards has fallen, if one has."""
+        own = -1 if guard is None else guard - self._bounds.first_further
+        return None if own < 0 else own
 
     def passed(self, step: DenseStep, end: float) -> EndReason | None:
         """Count the work, and look how far away it is."""
@@ -187,7 +206,7 @@ class FilippovFaces(HybridField):
         self.before: Face | None = None
         self.legs: list[Leg] = []
         self._stalled = 0
-        self._cells: dict[Face, _FaceMode] = {}
+        self._cells: dict[Face, FaceMode] = {}
         self._mean: FaceChoice | None = None  # of turns around a corner, which is followed next
         self._forget()
 
@@ -229,19 +248,24 @@ class FilippovFaces(HybridField):
         place[lengths] *= self.field.unit
         return f"at t = {path.time:.6g}, {place_text(place.tolist())}"
 
-    def _mode(self, choice: FaceChoice, path: Path) -> _FaceMode:
+    def _mode(self, choice: FaceChoice, path: Path) -> FaceMode:
         """The mode of a choice; that of a cell with flat bounds is the same wherever the path enters it."""
         face = choice.motion.face
         if face in self._cells:
             return self._cells[face]
-        mode = _FaceMode(self.field, choice, path, self.meter)
+        further = self.further_guards(choice)
+        mode = FaceMode(self.field, choice, path, self.meter, further)
         if not face.keep and all(surface.flat for surface, _ in face.bounds):
             self._cells[face] = mode
         return mode
 
+    def further_guards(self, choice: FaceChoice) -> Sequence[Guard]:
+        """Guards beside those of the face."""
+        return ()
+
     def arrive(self, path: Path, mode: Mode, met: int | None) -> EndReason | None:
         """Onto the surface that was met; after a loop of crossings, on to its limit."""
-        if not isinstance(mode, _FaceMode):
+        if not isinstance(mode, FaceMode):
             raise TypeError(f"required a mode on a face, received {mode}")
         stretch, face, surfaces = path.stretches[-1], mode.motion.face, mode.met(met)
         self._stalled = self._stalled + 1 if stretch.times[-1] == stretch.times[0] else 0

@@ -1,0 +1,168 @@
+"""Paths of fields that divide by norms: where one is zero they slide with the equivalent control, cross, or leave.
+
+The path comes to such a place in finite time, turning ever faster, and keeps to it for as long as a unit vector can
+(:mod:`nonsmooth.analysis.fields.norm_zeros`).  Then it goes on from a little beside it, where sigma grows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+
+from nonsmooth.analysis.fields.norm_zeros import HeldVelocity, NormZero
+from nonsmooth.analysis.fields.sign_field import SignField
+from nonsmooth.analysis.fields.switched_field import Face, FacedField, NoVelocityError, length, span
+from nonsmooth.analysis.trajectories.faces import SMALLEST_SPEED, FaceChoice, FaceMotion
+from nonsmooth.analysis.trajectories.follow import Mode, Path
+from nonsmooth.analysis.trajectories.guards import GUARD_SLACK, Guard, by_difference
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind, LyapunovWatch
+from nonsmooth.analysis.trajectories.smooth_path import FaceMode, FilippovFaces
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
+
+ARRIVES = 2.0**-34  # of the size of the states: as near to the zeros of a norm a path is on its last, straight way
+BESIDE = 4.0  # times that: where a path begins that leaves them
+FULL = 1e-6  # the least singular value of unit normals that count as independent
+
+
+class FacesAndZeros(FilippovFaces):
+    """The solutions of a field with zeros of norms, face after face.
+
+    Attributes:
+        held: the numbers of the norms that are kept at zero.
+    """
+
+    def __init__(self, field: FacedField, watch: LyapunovWatch | None, meter: WorkMeter, max_events: int) -> None:
+        if not isinstance(field, SignField) or field.zeros is None:
+            raise ValueError("required a field that divides by norms")
+        self._zeros, self.held = field.zeros, tuple[int, ...]()
+        self._near = ARRIVES * field.size
+        super().__init__(self._zeros.field(()), watch, meter, max_events)
+
+    def next_mode(self, path: Path) -> Mode | EndReason:
+        """As without zeros; a path may begin on some."""
+        if not path.stretches:
+            for k, zero in enumerate(self._zeros.sets):
+                ended = self._hold(path, k) if length(zero.sigma(path.state)) <= self._near else None
+                if ended is not None:
+                    raise NoVelocityError(path.note)
+        return super().next_mode(path)
+
+    def further_guards(self, choice: FaceChoice) -> Sequence[Guard]:
+        """The distance from the zeros of every other norm, then how much shorter than one the equivalent control is."""
+        found = [self._away_from(zero) for k, zero in enumerate(self._zeros.sets) if k not in self.held]
+        if self.held:
+            value = partial(_margin, choice.motion)
+            found.append(Guard(value, GUARD_SLACK, by_difference(value, self.field.size)))
+        return found
+
+    def _away_from(self, zero: NormZero) -> Guard:
+        def value(t: float, x: Floats) -> float:
+            return length(zero.sigma(x)) - self._near
+
+        def slope(t: float, x: Floats, velocity: Floats) -> float:
+            sigma = zero.sigma(x)
+            return float(sigma @ zero.rows @ velocity) / (length(sigma) or 1.0)
+
+        return Guard(value, GUARD_SLACK * self.field.size, slope)
+
+    def arrive(self, path: Path, mode: Mode, met: int | None) -> EndReason | None:
+        """Onto the zeros that were met, or away from those that can be kept to no longer."""
+        ended = super().arrive(path, mode, met)
+        further = mode.further_met(met) if isinstance(mode, FaceMode) else None
+        if ended is not None or further is None or not isinstance(mode, FaceMode):
+            return ended
+        others = [k for k in range(len(self._zeros.sets)) if k not in self.held]
+        if further == len(others):
+            return self._leave(path, _velocities(mode.motion.face), EventKind.LEAVE)
+        return self._hold(path, others[further], mode.motion(path.time, path.state))
+
+    def _hold(self, path: Path, k: int, velocity: Floats | None = None) -> EndReason | None:
+        """Go straight on to the zeros of a norm, and keep to them, or cross.
+
+        Where they meet surfaces, or other zeros that are kept to, all normals must be independent: else F holds less
+        than every control there with every mixture of the sides.
+        """
+        zero = self._zeros.sets[k]
+        if velocity is not None:
+            sigma = zero.sigma(path.state)
+            later = float(sigma @ sigma) / max(-float(sigma @ zero.rows @ velocity), SMALLEST_SPEED)
+            path.time, path.state = path.time + later, path.state + later * velocity
+        held = (*self.held, k)
+        path.state = _on_zeros([self._zeros.sets[j] for j in held], path.state)
+        try:
+            faces = self._zeros.field(held).faces_at(path.state)
+        except NoVelocityError as error:
+            path.note = str(error)
+            return EndReason.UNPROVED
+        normals = [*_normals(self._zeros.sets, held), *(surface.normal(path.state) for surface in faces[0].keep)]
+        if span(np.array(normals).T).shape[1] < len(normals):
+            path.note = "switching surfaces, or zeros of other norms, hold those of the norm that was met"
+            return EndReason.UNPROVED
+        self._go_on(path, held)
+        velocities = _velocities(faces[0])
+        self._doubt(path, velocities, keeps=True)
+        if len(velocities) == 1 and velocities[0].margin(path.state) < 0:
+            return self._leave(path, velocities, EventKind.CROSS)
+        path.tell(EventKind.SLIDE, f"{zero.name} = 0")
+        return None
+
+    def _leave(self, path: Path, velocities: Sequence[HeldVelocity], kind: EventKind) -> EndReason | None:
+        """Go on a little beside the zeros that cannot be kept to."""
+        found = min(velocities, key=lambda own: own.margin(path.state)).way_out(path.state)
+        if found is None:
+            path.note = "no motion keeps to the zeros of the norm, and none is found that leaves them"
+            return EndReason.UNPROVED
+        place, direction = found
+        k = self.held[place]
+        self._doubt(path, velocities, keeps=False)
+        path.tell(kind, f"{self._zeros.sets[k].name} = 0")
+        path.state = path.state + BESIDE * self._near * direction
+        self._go_on(path, tuple(j for j in self.held if j != k))
+        return None
+
+    def _doubt(self, path: Path, velocities: Sequence[HeldVelocity], *, keeps: bool) -> None:
+        """Note where other solutions are not excluded."""
+        inputs = [own.input_matrix(path.state) for own in velocities]
+        is_monotone = all(map(_falls, inputs)) and all(np.allclose(own, inputs[0], rtol=FULL) for own in inputs)
+        all_come = keeps and len(self.held) == len(velocities) == 1 and velocities[0].outward_speed(path.state) < 0
+        if path.unique and not is_monotone and not all_come:
+            path.unique = None
+
+    def _go_on(self, path: Path, held: tuple[int, ...]) -> None:
+        """With the field that keeps to some zeros."""
+        self.held, self.field, self.before = held, self._zeros.field(held), None
+        self.faces = self.field.faces_at(path.state)
+        self._forget()
+
+
+def _velocities(face: Face) -> list[HeldVelocity]:
+    """Those of the members of a face."""
+    return [member.velocity for member in face.members if isinstance(member.velocity, HeldVelocity)]
+
+
+def _margin(motion: FaceMotion, t: float, x: Floats) -> float:
+    """How much shorter than one the equivalent control of every member is."""
+    return min(own.margin(x) for own in _velocities(motion.face))
+
+
+def _falls(matrix: Floats) -> bool:
+    """Whether a matrix is symmetric and negative definite: then ``sigma' = ... + W B sigma/abs(sigma)`` is monotone.
+
+    In the metric of its inverse any two solutions come closer, but for what is smooth, so that there is one from each
+    start.
+    """
+    return np.allclose(matrix, matrix.T, rtol=FULL) and float(np.linalg.eigvalsh(matrix).max()) < 0
+
+
+def _on_zeros(zeros: Sequence[NormZero], x: Floats) -> Floats:
+    """The nearest state on all of some places."""
+    rows, sigma = np.vstack([zero.rows for zero in zeros]), np.concatenate([zero.sigma(x) for zero in zeros])
+    return np.asarray(x - np.linalg.lstsq(rows, sigma, rcond=FULL)[0])
+
+
+def _normals(zeros: Sequence[NormZero], held: Sequence[int]) -> list[Floats]:
+    """Unit vectors across places."""
+    return [row / length(row) for k in held for row in zeros[k].rows]
