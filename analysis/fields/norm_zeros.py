@@ -3,26 +3,32 @@
 In unit control ``x' = a + B u`` with ``u = sigma/abs(sigma)`` and ``sigma = W x + w`` (Gutman 1979) the field jumps
 where ``sigma = 0``: F holds what every u of at most unit length gives there, the hull of all unit vectors.  A motion
 keeps to the place if ``W (a + B u) = 0`` has a solution with ``abs(u) <= 1``: Utkin's equivalent control (1992).
-Elsewhere solutions leave it along a unit vector with
+Elsewhere solutions leave it, as they begin with a unit vector with
 
     W a + W B u = r u,    r > 0,
 
-as u turns infinitely fast there until that holds.
+since u turns infinitely fast there until that holds.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import mul
 
 import numpy as np
 
 from nonsmooth.analysis.fields.float_code import Numbers
-from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.switched_field import ScalarVelocity, length
+from nonsmooth.analysis.fields.sign_field import SignField, Signs
+from nonsmooth.analysis.fields.switched_field import (
+    DifferentiatedVelocity,
+    ScalarVelocity,
+    Velocity,
+    differences,
+    length,
+)
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
@@ -73,6 +79,44 @@ def norm_zero(square: Polynomial, name: str) -> NormZero:
     return NormZero(name, rows, np.linalg.pinv(rows).T @ gradient / 2)
 
 
+class NormVelocity(DifferentiatedVelocity):
+    """A field with norms, beside their zeros.
+
+    Args:
+        rates: from the states and what is named in formulas, affine in each norm s and 1/s.
+        values: of the names, from the states.
+        sizes: the numbers of the names of s, with s.
+        inverses: the numbers of those of 1/s, with s.
+    """
+
+    def __init__(
+        self,
+        rates: Callable[..., Numbers],
+        values: Callable[..., Numbers],
+        sizes: Mapping[int, NormZero],
+        inverses: Mapping[int, NormZero],
+    ) -> None:
+        self._rates, self._values, self._sizes, self._inverses = rates, values, sizes, inverses
+        super().__init__(lambda *x: rates(*x, *values(*x)))
+
+    def derivatives(self, x: Floats, steps: Floats) -> Floats:
+        """By the chain rule: those of a norm are ``sigma W/s``."""
+        known = list(self._values(*x.tolist()))
+        held = {k: known[k] for k in (*self._sizes, *self._inverses)}
+
+        def with_norms(place: Floats, norms: Mapping[int, float]) -> Floats:
+            values = {**dict(enumerate(self._values(*place.tolist()))), **norms}
+            return np.array(self._rates(*place.tolist(), *[values[k] for k in range(len(known))]))
+
+        found = differences(lambda place: with_norms(place, held), x, steps)
+        for k, zero in (*self._sizes.items(), *self._inverses.items()):
+            slope = with_norms(x, {**held, k: 1.0}) - with_norms(x, {**held, k: 0.0})
+            sigma = zero.sigma(x)
+            along = sigma @ zero.rows / (length(sigma) or 1.0)
+            found += np.outer(slope, along if k in self._sizes else -along * held[k] ** 2)
+        return found
+
+
 class HeldVelocity(ScalarVelocity):
     """The velocity that keeps to zeros of norms, beyond its domain with a control that is too large.
 
@@ -108,10 +152,14 @@ class HeldVelocity(ScalarVelocity):
         control = np.linalg.lstsq(matrix, -drift, rcond=RANK)[0]
         return np.asarray(control) if length(matrix @ control + drift) <= OPEN * length(drift) else None
 
-    def margin(self, x: Floats) -> float:
-        """How much the largest of the vectors u is shorter than one; -1 where there are none."""
+    def lengths(self, x: Floats) -> list[float]:
+        """Those of the vectors u, infinite where there are none."""
         control = self.control(x)
-        return -1.0 if control is None else 1 - max(length(control[block]) for block in self._blocks)
+        return [math.inf if control is None else length(control[block]) for block in self._blocks]
+
+    def margin(self, x: Floats) -> float:
+        """How much the longest of the vectors u is shorter than one."""
+        return 1 - max(self.lengths(x))
 
     def input_matrix(self, x: Floats) -> Floats:
         """``W B`` at a state."""
@@ -129,24 +177,31 @@ class HeldVelocity(ScalarVelocity):
         shift, unit = _secular(symmetric, drift / 2, float(np.linalg.eigvalsh(symmetric).max()))
         return shift + float(drift @ unit) / 2
 
-    def way_out(self, x: Floats) -> tuple[int, Floats] | None:
-        """Which of the places is left, and the displacement along which ``s`` grows to one; None where none is.
-
-        The vectors u of the other places keep to these.
-        """
-        control = self.control(x)
-        if control is None:
-            return None
-        longest = max(range(len(self._blocks)), key=lambda k: length(control[self._blocks[k]]))
+    def way_out(self, place: int, x: Floats) -> Floats:
+        """The control with which solutions leave one of the places, while they keep to the others."""
         alone, inputs = self._parts(x)
         matrix, drift = self._rows @ inputs, self._rows @ alone
         own = np.zeros(len(drift), bool)
-        own[self._blocks[longest]] = True
-        carried = matrix[own][:, ~own] @ np.linalg.pinv(matrix[~own][:, ~own])
-        matrix, drift = matrix[own][:, own] - carried @ matrix[~own][:, own], drift[own] - carried @ drift[~own]
-        largest = max(0.0, float(np.linalg.eigvals(matrix).real.max()))
-        _, unit = _secular(matrix, drift, largest)
-        return longest, self._zeros[longest].columns @ (unit / length(unit))
+        own[self._blocks[place]] = True
+        kept = np.linalg.pinv(matrix[~own][:, ~own])
+        carried = matrix[own][:, ~own] @ kept
+        own_matrix, own_drift = matrix[own][:, own] - carried @ matrix[~own][:, own], drift[own] - carried @ drift[~own]
+        largest = max(0.0, float(np.linalg.eigvals(own_matrix).real.max()))
+        _, unit = _secular(own_matrix, own_drift, largest)
+        control = np.empty(len(drift))
+        control[own] = unit / (length(unit) or 1.0)
+        control[~own] = -kept @ (drift[~own] + matrix[~own][:, own] @ control[own])
+        return control
+
+    def leaving(self, place: int) -> ScalarVelocity:
+        """The velocity of solutions that leave one of the places, as they begin."""
+
+        def rates(*x: float) -> Numbers:
+            state = np.array(x)
+            alone, inputs = self._parts(state)
+            return tuple((alone + inputs @ self.way_out(place, state)).tolist())
+
+        return ScalarVelocity(rates)
 
 
 def _secular(matrix: Floats, drift: Floats, least: float) -> tuple[float, Floats]:
@@ -173,9 +228,19 @@ class NormZeros:
 
     Attributes:
         sets: one for each norm.
-        field: the switched field of the motions that keep to some of these places, by their numbers; beside the others
-            it is the field, which is continuous where s is smaller than any number that counts.
+        field: the switched field of the motions that keep to some of these places, by their numbers, and a width: where
+            another norm is less than that, or than any number that counts, it stands for the norm in denominators.
     """
 
     sets: tuple[NormZero, ...]
-    field: Callable[[tuple[int, ...]], SignField]
+    field: Callable[..., SignField]
+
+    def leaving(self, held: tuple[int, ...], k: int) -> SignField:
+        """The field of the motions that leave one of the places that were kept to."""
+        field, place = self.field(held), held.index(k)
+
+        def flow(signs: Signs) -> Velocity:
+            velocity = field.flow(signs)
+            return velocity.leaving(place) if isinstance(velocity, HeldVelocity) else velocity
+
+        return replace(field, flow=flow)

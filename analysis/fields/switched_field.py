@@ -13,6 +13,7 @@ There are two kinds of cells: sign patterns of switching functions in any number
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeAlias
@@ -73,6 +74,21 @@ class ScalarVelocity:
     def __call__(self, t: float, x: Floats) -> Floats:
         """The rates as an array."""
         return np.array(self.rates(*x.tolist()))
+
+
+class DifferentiatedVelocity(ScalarVelocity, ABC):
+    """A velocity whose derivatives are not known from its values at some distance: it turns within less."""
+
+    @abstractmethod
+    def derivatives(self, x: Floats, steps: Floats) -> Floats:
+        """The matrix of them, shape (n, n); by differences over these steps of what does not turn."""
+
+
+def differences(function: Callable[[Floats], Floats], x: Floats, steps: Floats) -> Floats:
+    """The derivatives of a function by all states, a column for each, by forward differences."""
+    here = function(x)
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.column_stack([(function(x + move) - here) / move[k] for k, move in enumerate(np.diag(steps))])
 
 
 class AffineVelocity(ScalarVelocity):

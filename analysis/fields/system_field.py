@@ -203,26 +203,32 @@ def _norm_zeros(
     sets = _zeros_of_norms(system, states)
     if not sets or system.rewriting.scale is not None:
         return None
-    from nonsmooth.analysis.fields.norm_zeros import NormZeros
+    from nonsmooth.analysis.fields.norm_zeros import NormVelocity, NormZeros
 
     nearest, count = AT_POINT * system.check.half_width, len(states)
-    places = {wave.argument: count + k for k, wave in enumerate(system.rewriting.names) if wave.kind == INVERSE}
+    places = {kind: _places_of(system, kind) for kind in (NORM, INVERSE)}
 
-    def flow(signs: Signs, held: tuple[int, ...]) -> Velocity:
+    def flow(signs: Signs, held: tuple[int, ...], width: float) -> Velocity:
         sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
         rates = _named_polynomials(system, system.rewriting.named_rhs, sign_of, states)
-        values = _values_of_names(system, sign_of, states, lambda size: 1 / max(size, nearest))
+        values = _values_of_names(system, sign_of, states, lambda size: 1 / max(size, width, nearest))
         if not held:
-            at = _Polynomials(rates).at
-            return ScalarVelocity(lambda *x: at(*x, *values(*x)))
+            norms = ({k: sets[own] for own, k in places[kind].items() if own in sets} for kind in (NORM, INVERSE))
+            return NormVelocity(_Polynomials(rates).at, values, *norms)
         chosen = [list(sets)[k] for k in held]
-        return _keeping_to([sets[own] for own in chosen], rates, values, [places[own] for own in chosen])
+        inverses = [count + places[INVERSE][own] for own in chosen]
+        return _keeping_to([sets[own] for own in chosen], rates, values, inverses)
 
     @cache
-    def on_zeros(held: tuple[int, ...]) -> SignField:
-        return replace(field, flow=cache(partial(flow, held=held)))
+    def on_zeros(held: tuple[int, ...], width: float = 0.0) -> SignField:
+        return replace(field, flow=cache(partial(flow, held=held, width=width)))
 
     return NormZeros(tuple(sets.values()), on_zeros)
+
+
+def _places_of(system: SwitchedSystem, kind: str) -> dict[str, int]:
+    """The numbers of the names of a kind, by what these are of."""
+    return {wave.argument: k for k, wave in enumerate(system.rewriting.names) if wave.kind == kind}
 
 
 def _keeping_to(

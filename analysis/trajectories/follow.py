@@ -587,8 +587,12 @@ def _stretch(
 
 def escapes(mode: Mode, time: float, state: Floats) -> bool:
     """Whether a state grows so fast that it leaves every bound, as far as floats see: by a factor e within
-    :data:`ESCAPE` of the time.
+    :data:`ESCAPE` of the time, and no more slowly farther out, where a field that is singular here is not.
     """
-    size = max_norm(state)
-    growth = float(state / size @ mode.rate(time, state) / size) if size else 0.0
-    return growth * ESCAPE * abs(time) > 1
+
+    def growth(x: Floats) -> float:
+        size = max_norm(x)
+        return float(x / size @ mode.rate(time, x) / size) if size else 0.0
+
+    here = growth(state)
+    return math.isfinite(here) and here * ESCAPE * abs(time) > 1 and not growth(2 * state) < here

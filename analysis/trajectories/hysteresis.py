@@ -17,6 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from nonsmooth.analysis.fields import switched_field
+from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import NoVelocityError, SwitchedField, Velocity
 from nonsmooth.analysis.trajectories.follow import Guards, HybridField, Mode, Path, Stepper, follow
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
@@ -59,6 +60,8 @@ def simulate_hysteresis(
 def simulate_smoothed(field: SwitchedField, start: Sequence[float], until: float, width: float) -> Trajectory:
     """Signs smoothed over ``width`` to either side of a surface, by SciPy's LSODA (which turns implicit where stiff).
 
+    Where a norm that is divided by is smaller than the width, that stands for it.
+
     Raises:
         ValueError: for a width or last time that is not positive, a start outside the domain, or a width so small
             that the integrator does not get through the layer.
@@ -66,6 +69,8 @@ def simulate_smoothed(field: SwitchedField, start: Sequence[float], until: float
     """
     if not width > 0 or not 0 < until < math.inf:
         raise ValueError(f"required a positive width and last time, received {width} and {until}")
+    if isinstance(field, SignField) and field.zeros is not None:
+        field = field.zeros.field((), width)
     layer = _Layer(field, width, MAX_EVALUATIONS)
     return _simulated(layer, start, until, Integrator("LSODA", *TOLERANCES), "smoothed")
 

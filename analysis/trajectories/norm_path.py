@@ -1,11 +1,14 @@
 """Paths of fields that divide by norms: where one is zero they slide with the equivalent control, cross, or leave.
 
-The path comes to such a place in finite time, turning ever faster, and keeps to it for as long as a unit vector can
-(:mod:`nonsmooth.analysis.fields.norm_zeros`).  Then it goes on from a little beside it, where sigma grows.
+The path comes to such a place in finite time, turning ever faster, and keeps to it for as long as a vector u of at most
+unit length can (:mod:`nonsmooth.analysis.fields.norm_zeros`).  Then it leaves with the unit vector with which solutions
+begin, until the norm s is a millionth of the states' size: nearer u lags behind that by about s, and turns too fast for
+floats.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
 
@@ -23,7 +26,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 ARRIVES = 2.0**-34  # of the size of the states: as near to the zeros of a norm a path is on its last, straight way
-BESIDE = 4.0  # times that: where a path begins that leaves them
+BESIDE = 1e-6  # of the size: as far a path follows the unit vector with which it leaves them
 FULL = 1e-6  # the least singular value of unit normals that count as independent
 
 
@@ -32,12 +35,14 @@ class FacesAndZeros(FilippovFaces):
 
     Attributes:
         held: the numbers of the norms that are kept at zero.
+        left: that of the norm whose zeros the path is about to leave; None elsewhere.
     """
 
     def __init__(self, field: FacedField, watch: LyapunovWatch | None, meter: WorkMeter, max_events: int) -> None:
         if not isinstance(field, SignField) or field.zeros is None:
             raise ValueError("required a field that divides by norms")
         self._zeros, self.held = field.zeros, tuple[int, ...]()
+        self.left: int | None = None
         self._near = ARRIVES * field.size
         super().__init__(self._zeros.field(()), watch, meter, max_events)
 
@@ -51,20 +56,30 @@ class FacesAndZeros(FilippovFaces):
         return super().next_mode(path)
 
     def further_guards(self, choice: FaceChoice) -> Sequence[Guard]:
-        """The distance from the zeros of every other norm, then how much shorter than one the equivalent control is."""
-        found = [self._away_from(zero) for k, zero in enumerate(self._zeros.sets) if k not in self.held]
-        if self.held:
+        """The distances from the zeros of all other norms, then what ends that the path keeps to zeros, or leaves."""
+        found = [self._away_from(k, self._near) for k in self._others]
+        if self.left is not None:
+            found.append(self._away_from(self.left, -BESIDE * self.field.size))
+        elif self.held:
             value = partial(_margin, choice.motion)
             found.append(Guard(value, GUARD_SLACK, by_difference(value, self.field.size)))
         return found
 
-    def _away_from(self, zero: NormZero) -> Guard:
+    @property
+    def _others(self) -> list[int]:
+        """The norms that are not zero."""
+        return [k for k in range(len(self._zeros.sets)) if k not in (*self.held, self.left)]
+
+    def _away_from(self, k: int, nearest: float) -> Guard:
+        """That a norm is larger than some number; smaller than its size, if it is negative."""
+        zero, side = self._zeros.sets[k], math.copysign(1.0, nearest)
+
         def value(t: float, x: Floats) -> float:
-            return length(zero.sigma(x)) - self._near
+            return side * length(zero.sigma(x)) - nearest
 
         def slope(t: float, x: Floats, velocity: Floats) -> float:
             sigma = zero.sigma(x)
-            return float(sigma @ zero.rows @ velocity) / (length(sigma) or 1.0)
+            return side * float(sigma @ zero.rows @ velocity) / (length(sigma) or 1.0)
 
         return Guard(value, GUARD_SLACK * self.field.size, slope)
 
@@ -74,10 +89,12 @@ class FacesAndZeros(FilippovFaces):
         further = mode.further_met(met) if isinstance(mode, FaceMode) else None
         if ended is not None or further is None or not isinstance(mode, FaceMode):
             return ended
-        others = [k for k in range(len(self._zeros.sets)) if k not in self.held]
-        if further == len(others):
+        if further < len(self._others):
+            return self._hold(path, self._others[further], mode.motion(path.time, path.state))
+        if self.left is None:
             return self._leave(path, _velocities(mode.motion.face), EventKind.LEAVE)
-        return self._hold(path, others[further], mode.motion(path.time, path.state))
+        self._go_on(path, self.held)
+        return None
 
     def _hold(self, path: Path, k: int, velocity: Floats | None = None) -> EndReason | None:
         """Go straight on to the zeros of a norm, and keep to them, or cross.
@@ -110,17 +127,15 @@ class FacesAndZeros(FilippovFaces):
         return None
 
     def _leave(self, path: Path, velocities: Sequence[HeldVelocity], kind: EventKind) -> EndReason | None:
-        """Go on a little beside the zeros that cannot be kept to."""
-        found = min(velocities, key=lambda own: own.margin(path.state)).way_out(path.state)
-        if found is None:
-            path.note = "no motion keeps to the zeros of the norm, and none is found that leaves them"
+        """Leave the zeros that cannot be kept to."""
+        lengths = min(velocities, key=lambda own: own.margin(path.state)).lengths(path.state)
+        if len(lengths) > 1 and not all(map(math.isfinite, lengths)):
+            path.note = "no control keeps to the zeros of all norms, and it is not known which of them are left"
             return EndReason.UNPROVED
-        place, direction = found
-        k = self.held[place]
+        k = self.held[lengths.index(max(lengths))]
         self._doubt(path, velocities, keeps=False)
         path.tell(kind, f"{self._zeros.sets[k].name} = 0")
-        path.state = path.state + BESIDE * self._near * direction
-        self._go_on(path, tuple(j for j in self.held if j != k))
+        self._go_on(path, tuple(j for j in self.held if j != k), k)
         return None
 
     def _doubt(self, path: Path, velocities: Sequence[HeldVelocity], *, keeps: bool) -> None:
@@ -131,9 +146,10 @@ class FacesAndZeros(FilippovFaces):
         if path.unique and not is_monotone and not all_come:
             path.unique = None
 
-    def _go_on(self, path: Path, held: tuple[int, ...]) -> None:
-        """With the field that keeps to some zeros."""
-        self.held, self.field, self.before = held, self._zeros.field(held), None
+    def _go_on(self, path: Path, held: tuple[int, ...], left: int | None = None) -> None:
+        """With the field that keeps to some zeros, and that of what leaves one."""
+        field = self._zeros.field(held) if left is None else self._zeros.leaving((*held, left), left)
+        self.held, self.left, self.field, self.before = held, left, field, None
         self.faces = self.field.faces_at(path.state)
         self._forget()
 

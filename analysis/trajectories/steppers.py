@@ -25,7 +25,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.fields.float_code import Numbers, compiled, listed, names, weighted
-from nonsmooth.analysis.fields.switched_field import AffineVelocity, ScalarVelocity
+from nonsmooth.analysis.fields.switched_field import AffineVelocity, DifferentiatedVelocity, ScalarVelocity, differences
 from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant, PolynomialInterpolant, Rate
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm
@@ -556,7 +556,7 @@ def _eigenvalues(rate: Rate, t: float, x: Floats, steps: Floats) -> Floats:
 
 
 def _differences(rate: Rate, t: float, x: Floats, steps: Floats) -> Floats:
-    """``df/dx`` by forward differences."""
-    here = rate(t, x)
-    with np.errstate(invalid="ignore", over="ignore"):
-        return np.column_stack([(rate(t, x + move) - here) / move[k] for k, move in enumerate(np.diag(steps))])
+    """``df/dx`` by forward differences, or as the rate itself knows it."""
+    if isinstance(rate, DifferentiatedVelocity):
+        return rate.derivatives(x, steps)
+    return differences(partial(rate, t), x, steps)

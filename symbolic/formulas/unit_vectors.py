@@ -197,19 +197,21 @@ def _shares(node: ast.expr, squares: Sequence[Square], states: Collection[str]) 
 
 
 def _combination(node: ast.expr, bases: Sequence[ast.expr], states: Collection[str]) -> list[Fraction] | None:
-    """The numbers by which a polynomial is a sum of multiples of some; None where it is none."""
+    """Numbers by which a polynomial is a sum of multiples of some; None where there are none."""
     whole, *parts = (_polynomial(own, states) for own in (node, *bases))
     known = [part for part in parts if part is not None]
     if whole is None or len(known) < len(bases):
         return None
     monomials = sorted({exponents for own in (whole, *known) for exponents in own.to_dict()})
-    columns = fmpq_mat([[own.to_dict().get(e, fmpq(0)) for own in known] for e in monomials])
-    right = fmpq_mat([[whole.to_dict().get(e, fmpq(0))] for e in monomials])
-    try:
-        found = (columns.transpose() * columns).solve(columns.transpose() * right)
-    except ZeroDivisionError:
-        return None
-    return [Fraction(int(own.p), int(own.q)) for own in found.entries()] if columns * found == right else None
+    equations = fmpq_mat([[own.to_dict().get(e, fmpq(0)) for own in (*known, whole)] for e in monomials])
+    reduced, rank = equations.rref()
+    found = [fmpq(0)] * len(known)
+    for row in range(rank):
+        leading = next(k for k in range(len(known) + 1) if reduced[row, k])
+        if leading == len(known):
+            return None
+        found[leading] = reduced[row, len(known)]
+    return [Fraction(int(own.p), int(own.q)) for own in found]
 
 
 def _polynomial(node: ast.expr, states: Collection[str]) -> fmpq_mpoly | None:

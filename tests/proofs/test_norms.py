@@ -238,25 +238,6 @@ def test_a_path_comes_to_the_point_when_its_distance_says(place: tuple[int, int]
     assert "denominator" in end["note"]
 
 
-def test_a_path_ends_where_the_norm_is_zero() -> None:
-    path = stated("y - 2*x/S + z; -x - 2*y/S; -z + x".replace("S", N)).simulate(start=(0.3, 0.2, 0.5), until=3)
-    end = path.facts()["end"]
-
-    def field(t: float, state: np.ndarray) -> list[float]:
-        x, y, z = state
-        size = np.hypot(x, y)
-        return [y - 2 * x / size + z, -x - 2 * y / size, -z + x]
-
-    def near(t: float, state: np.ndarray) -> float:
-        return float(np.hypot(*state[:2]) - 1e-6)
-
-    near.terminal = True  # type: ignore[attr-defined]
-    other = solve_ivp(field, (0, 3), (0.3, 0.2, 0.5), events=near, rtol=1e-9, atol=1e-12)
-    assert end["t"] == pytest.approx(other.t_events[0][0], abs=1e-5)
-    assert end["state"] == pytest.approx(other.y[:, -1], abs=1e-5)
-    assert "denominator" in end["note"]
-
-
 def test_paths_are_those_of_the_stated_field() -> None:
     text = f"y - x*{N} + sin(x)*{N}; -x/(1 + {N}) - y"
     end = stated(text).simulate(start=(0.8, -0.5), until=3).facts()["end"]
