@@ -194,7 +194,7 @@ class _Around:
 
 
 class OutlineField:
-    """The field that :func:`nonsmooth.analysis.trajectories.smooth_path.follow_smooth` follows.
+    """The field that :func:`nonsmooth.analysis.trajectories.trajectory.follow_smooth` follows.
 
     Attributes:
         states, kinematics, unit, heading, size: see :class:`nonsmooth.analysis.fields.switched_field.FacedField`.

@@ -222,22 +222,22 @@ def _secular(matrix: Floats, drift: Floats, least: float) -> tuple[float, Floats
     return shift, vector(shift)
 
 
-@dataclass(frozen=True, eq=False)
-class NormZeros:
-    """The zeros of all norms that a field divides by.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NormField(SignField):
+    """A plain switched system that divides by norms.
 
     Attributes:
-        sets: one for each norm.
-        field: the switched field of the motions that keep to some of these places, by their numbers, and a width: where
-            another norm is less than that, or than any number that counts, it stands for the norm in denominators.
+        zeros: of these norms.
+        keeping: the field of the motions that keep to some of these places, by their numbers, and a width, which stands in
+            denominators for a smaller norm; so does the least number that counts.
     """
 
-    sets: tuple[NormZero, ...]
-    field: Callable[..., SignField]
+    zeros: tuple[NormZero, ...]
+    keeping: Callable[[tuple[int, ...], float], SignField]
 
     def leaving(self, held: tuple[int, ...], k: int) -> SignField:
         """The field of the motions that leave one of the places that were kept to."""
-        field, place = self.field(held), held.index(k)
+        field, place = self.keeping(held, 0.0), held.index(k)
 
         def flow(signs: Signs) -> Velocity:
             velocity = field.flow(signs)

@@ -11,15 +11,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations, product
 from math import inf
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Member, Surface, Velocity, sign_patterns, span
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-
-if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.norm_zeros import NormZeros
 
 Signs: TypeAlias = tuple[int, ...]
 
@@ -38,7 +35,6 @@ class SignField:
         flow: the field of a sign pattern (one sign -1 or 1 per surface).
         size: typical size of the states (their unit).
         unit: one, as states are given.
-        zeros: where norms are zero that the field divides by; None where there are none, or they cannot be kept to.
     """
 
     states: tuple[str, ...]
@@ -49,7 +45,6 @@ class SignField:
     heading: int | None = None
     tied_members: frozenset[str] = frozenset()
     unit: float = 1.0
-    zeros: NormZeros | None = None
     _known: dict[tuple[object, ...], list[Face]] = field(default_factory=dict, init=False, repr=False)
     _members: dict[Signs, Member] = field(default_factory=dict, init=False, repr=False)
 

@@ -35,7 +35,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SeenByRoots, SwitchedSystem, require_single, signs_by_factors
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.norm_zeros import NormZero, NormZeros
+    from nonsmooth.analysis.fields.norm_zeros import NormZero
 
 AT_POINT = 2.0**-38  # of the checked radius: as near to the point a path is at it
 POINT_SLACK = 2.0**-48  # relative to the entries of the checked point
@@ -75,7 +75,7 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
 
     size = max(system.check.half_width, *(abs(float(value)) for value in start), 0.0)
     field = SignField(system.states, tuple(_surface(surface) for surface in surfaces), flow, size)
-    return replace(field, zeros=_norm_zeros(system, field, surfaces, states))
+    return _with_zeros(system, field, surfaces, states)
 
 
 def _stated_surfaces(system: SwitchedSystem, states: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
@@ -196,14 +196,14 @@ def _named_polynomials(
     return [own.polynomial(values, sign_of_states) for own in formulas]
 
 
-def _norm_zeros(
+def _with_zeros(
     system: SwitchedSystem, field: SignField, surfaces: Sequence[Polynomial], states: Sequence[Polynomial]
-) -> NormZeros | None:
-    """Where norms are zero that the stated field divides by; None where there are none, and with other fractions."""
+) -> SignField:
+    """A field with the zeros of norms that it divides by; as it is where there are none, and with other fractions."""
     sets = _zeros_of_norms(system, states)
     if not sets or system.rewriting.scale is not None:
-        return None
-    from nonsmooth.analysis.fields.norm_zeros import NormVelocity, NormZeros
+        return field
+    from nonsmooth.analysis.fields.norm_zeros import NormField, NormVelocity
 
     nearest, count = AT_POINT * system.check.half_width, len(states)
     places = {kind: _places_of(system, kind) for kind in (NORM, INVERSE)}
@@ -220,10 +220,12 @@ def _norm_zeros(
         return _keeping_to([sets[own] for own in chosen], rates, values, inverses)
 
     @cache
-    def on_zeros(held: tuple[int, ...], width: float = 0.0) -> SignField:
+    @cache
+    def keeping(held: tuple[int, ...], width: float) -> SignField:
         return replace(field, flow=cache(partial(flow, held=held, width=width)))
 
-    return NormZeros(tuple(sets.values()), on_zeros)
+    zeros = tuple(sets.values())
+    return NormField(field.states, field.surfaces, field.flow, field.size, zeros=zeros, keeping=keeping)
 
 
 def _places_of(system: SwitchedSystem, kind: str) -> dict[str, int]:

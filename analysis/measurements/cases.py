@@ -40,8 +40,8 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.analysis.minimizers.minimum import GAP, Minimizer, dissipation
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
-from nonsmooth.analysis.trajectories.smooth_path import follow_smooth, onto
-from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.analysis.trajectories.smooth_path import onto
+from nonsmooth.analysis.trajectories.trajectory import follow_smooth, simulate
 from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.mechanics.contact_states import Row, roll_row, side_row, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel

@@ -26,9 +26,8 @@ from nonsmooth.analysis.measurements.reference_paths import (
 )
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import Event, State, Trajectory
-from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.steppers import StiffAware
-from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.analysis.trajectories.trajectory import follow_smooth, simulate
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem

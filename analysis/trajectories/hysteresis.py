@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from nonsmooth.analysis.fields import switched_field
-from nonsmooth.analysis.fields.sign_field import SignField
+from nonsmooth.analysis.fields.norm_zeros import NormField
 from nonsmooth.analysis.fields.switched_field import NoVelocityError, SwitchedField, Velocity
 from nonsmooth.analysis.trajectories.follow import Guards, HybridField, Mode, Path, Stepper, follow
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
@@ -69,8 +69,8 @@ def simulate_smoothed(field: SwitchedField, start: Sequence[float], until: float
     """
     if not width > 0 or not 0 < until < math.inf:
         raise ValueError(f"required a positive width and last time, received {width} and {until}")
-    if isinstance(field, SignField) and field.zeros is not None:
-        field = field.zeros.field((), width)
+    if isinstance(field, NormField):
+        field = field.keeping((), width)
     layer = _Layer(field, width, MAX_EVALUATIONS)
     return _simulated(layer, start, until, Integrator("LSODA", *TOLERANCES), "smoothed")
 

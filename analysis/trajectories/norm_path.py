@@ -14,8 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from nonsmooth.analysis.fields.norm_zeros import HeldVelocity, NormZero
-from nonsmooth.analysis.fields.sign_field import SignField
+from nonsmooth.analysis.fields.norm_zeros import HeldVelocity, NormField, NormZero
 from nonsmooth.analysis.fields.switched_field import Face, FacedField, NoVelocityError, length, span
 from nonsmooth.analysis.trajectories.faces import SMALLEST_SPEED, FaceChoice, FaceMotion
 from nonsmooth.analysis.trajectories.follow import Mode, Path
@@ -39,17 +38,17 @@ class FacesAndZeros(FilippovFaces):
     """
 
     def __init__(self, field: FacedField, watch: LyapunovWatch | None, meter: WorkMeter, max_events: int) -> None:
-        if not isinstance(field, SignField) or field.zeros is None:
+        if not isinstance(field, NormField):
             raise ValueError("required a field that divides by norms")
-        self._zeros, self.held = field.zeros, tuple[int, ...]()
+        self._whole, self._zeros, self._near = field, field.zeros, ARRIVES * field.size
+        self.held: tuple[int, ...] = ()
         self.left: int | None = None
-        self._near = ARRIVES * field.size
-        super().__init__(self._zeros.field(()), watch, meter, max_events)
+        super().__init__(field.keeping((), 0.0), watch, meter, max_events)
 
     def next_mode(self, path: Path) -> Mode | EndReason:
         """As without zeros; a path may begin on some."""
         if not path.stretches:
-            for k, zero in enumerate(self._zeros.sets):
+            for k, zero in enumerate(self._zeros):
                 ended = self._hold(path, k) if length(zero.sigma(path.state)) <= self._near else None
                 if ended is not None:
                     raise NoVelocityError(path.note)
@@ -68,11 +67,11 @@ class FacesAndZeros(FilippovFaces):
     @property
     def _others(self) -> list[int]:
         """The norms that are not zero."""
-        return [k for k in range(len(self._zeros.sets)) if k not in (*self.held, self.left)]
+        return [k for k in range(len(self._zeros)) if k not in (*self.held, self.left)]
 
     def _away_from(self, k: int, nearest: float) -> Guard:
         """That a norm is larger than some number; smaller than its size, if it is negative."""
-        zero, side = self._zeros.sets[k], math.copysign(1.0, nearest)
+        zero, side = self._zeros[k], math.copysign(1.0, nearest)
 
         def value(t: float, x: Floats) -> float:
             return side * length(zero.sigma(x)) - nearest
@@ -102,19 +101,19 @@ class FacesAndZeros(FilippovFaces):
         Where they meet surfaces, or other zeros that are kept to, all normals must be independent: else F holds less
         than every control there with every mixture of the sides.
         """
-        zero = self._zeros.sets[k]
+        zero = self._zeros[k]
         if velocity is not None:
             sigma = zero.sigma(path.state)
             later = float(sigma @ sigma) / max(-float(sigma @ zero.rows @ velocity), SMALLEST_SPEED)
             path.time, path.state = path.time + later, path.state + later * velocity
         held = (*self.held, k)
-        path.state = _on_zeros([self._zeros.sets[j] for j in held], path.state)
+        path.state = _on_zeros([self._zeros[j] for j in held], path.state)
         try:
-            faces = self._zeros.field(held).faces_at(path.state)
+            faces = self._whole.keeping(held, 0.0).faces_at(path.state)
         except NoVelocityError as error:
             path.note = str(error)
             return EndReason.UNPROVED
-        normals = [*_normals(self._zeros.sets, held), *(surface.normal(path.state) for surface in faces[0].keep)]
+        normals = [*_normals(self._zeros, held), *(surface.normal(path.state) for surface in faces[0].keep)]
         if span(np.array(normals).T).shape[1] < len(normals):
             path.note = "switching surfaces, or zeros of other norms, hold those of the norm that was met"
             return EndReason.UNPROVED
@@ -134,7 +133,7 @@ class FacesAndZeros(FilippovFaces):
             return EndReason.UNPROVED
         k = self.held[lengths.index(max(lengths))]
         self._doubt(path, velocities, keeps=False)
-        path.tell(kind, f"{self._zeros.sets[k].name} = 0")
+        path.tell(kind, f"{self._zeros[k].name} = 0")
         self._go_on(path, tuple(j for j in self.held if j != k), k)
         return None
 
@@ -148,7 +147,7 @@ class FacesAndZeros(FilippovFaces):
 
     def _go_on(self, path: Path, held: tuple[int, ...], left: int | None = None) -> None:
         """With the field that keeps to some zeros, and that of what leaves one."""
-        field = self._zeros.field(held) if left is None else self._zeros.leaving((*held, left), left)
+        field = self._whole.keeping(held, 0.0) if left is None else self._whole.leaving((*held, left), left)
         self.held, self.left, self.field, self.before = held, left, field, None
         self.faces = self.field.faces_at(path.state)
         self._forget()

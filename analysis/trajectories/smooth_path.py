@@ -17,7 +17,6 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Surface, length
 from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion, face_choices, largest
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stepper, Stretch, escapes, follow
@@ -64,36 +63,6 @@ RULE = "the path drawn keeps to the surfaces if it can, with the velocity of lea
 Weights: TypeAlias = tuple[tuple[str, float], ...]  # convex ones, by the names of members
 
 
-def follow_smooth(
-    field: FacedField,
-    start: Sequence[float],
-    until: float,
-    watch: LyapunovWatch | None = None,
-    *,
-    max_events: int = MAX_EVENTS,
-    meter: WorkMeter | None = None,
-    stepper: Stepper | None = None,
-) -> Trajectory:
-    """Follow a Filippov solution from a state at time zero.
-
-    Args:
-        field: the field.
-        start: initial state.
-        until: last time.
-        watch: bound on V' to check every piece against.
-        max_events: number of events after which the path ends in any case.
-        meter: evaluations of fields after which the path ends in any case; None for :data:`MAX_WORK`.
-        stepper: the method; None for DOP853, or Taylor series, and Radau where that is stiff, with tolerances near
-            rounding.
-
-    Raises:
-        ValueError: for a start outside the domain.
-        TrajectoryError: for a violated Lyapunov bound or a state without continuation.
-    """
-    faces = _faces_of(field)(field, watch, meter or WorkMeter(MAX_WORK), max_events)
-    return faces.path(start, until, stepper or near_rounding(field))
-
-
 def follow_legs(
     field: FacedField, start: Sequence[float], until: float, coarseness: float = 1.0
 ) -> tuple[Trajectory, tuple[Leg, ...]]:
@@ -106,20 +75,11 @@ def follow_legs(
         coarseness: factor on the tolerances of DOP853.
 
     Raises:
-        ValueError, TrajectoryError: as for :func:`follow_smooth`.
+        ValueError, TrajectoryError: as for :func:`nonsmooth.analysis.trajectories.trajectory.follow_smooth`.
     """
     faces = FilippovFaces(field, None, WorkMeter(MAX_WORK), MAX_EVENTS)
     path = faces.path(start, until, near_rounding(field, coarseness))
     return path, tuple(faces.legs)
-
-
-def _faces_of(field: FacedField) -> type[FilippovFaces]:
-    """Who follows a field."""
-    if not isinstance(field, SignField) or field.zeros is None:
-        return FilippovFaces
-    from nonsmooth.analysis.trajectories.norm_path import FacesAndZeros
-
-    return FacesAndZeros
 
 
 def near_rounding(field: FacedField, coarseness: float = 1.0) -> StiffAware:
@@ -214,7 +174,7 @@ class FilippovFaces(HybridField):
         """The solution from a state at time zero.
 
         Raises:
-            ValueError, TrajectoryError: as for :func:`follow_smooth`.
+            ValueError, TrajectoryError: as for :func:`nonsmooth.analysis.trajectories.trajectory.follow_smooth`.
         """
         x = np.array(start, float)
         self.faces = self.field.faces_at(x) if are_finite(x) else []

@@ -17,10 +17,12 @@ from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.fields.switched_field import SwitchedField
+from nonsmooth.analysis.fields.norm_zeros import NormField
+from nonsmooth.analysis.fields.switched_field import FacedField, SwitchedField
+from nonsmooth.analysis.trajectories.follow import Stepper
 from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant
 from nonsmooth.analysis.trajectories.result import LyapunovWatch, Trajectory, TrajectoryError
-from nonsmooth.analysis.trajectories.smooth_path import FAR, follow_smooth
+from nonsmooth.analysis.trajectories.smooth_path import FAR, MAX_EVENTS, MAX_WORK, FilippovFaces, near_rounding
 from nonsmooth.symbolic.numbers.plane import dot, minus
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
@@ -57,6 +59,41 @@ def simulate(
     if not field.size > 0 or FAR < max(map(abs, start)) < math.inf:
         raise TrajectoryError("required states within the range of floats")
     return follow_smooth(field, start, float(until), watch, meter=meter)
+
+
+def follow_smooth(
+    field: FacedField,
+    start: Sequence[float],
+    until: float,
+    watch: LyapunovWatch | None = None,
+    *,
+    max_events: int = MAX_EVENTS,
+    meter: WorkMeter | None = None,
+    stepper: Stepper | None = None,
+) -> Trajectory:
+    """Follow a Filippov solution from a state at time zero.
+
+    Args:
+        field: the field.
+        start: initial state.
+        until: last time.
+        watch: bound on V' to check every piece against.
+        max_events: number of events after which the path ends in any case.
+        meter: evaluations of fields after which the path ends in any case; None for :data:`MAX_WORK`.
+        stepper: the method; None for DOP853, or Taylor series, and Radau where that is stiff, with tolerances near
+            rounding.
+
+    Raises:
+        ValueError: for a start outside the domain.
+        TrajectoryError: for a violated Lyapunov bound or a state without continuation.
+    """
+    kind = FilippovFaces
+    if isinstance(field, NormField):
+        from nonsmooth.analysis.trajectories.norm_path import FacesAndZeros
+
+        kind = FacesAndZeros
+    faces = kind(field, watch, meter or WorkMeter(MAX_WORK), max_events)
+    return faces.path(start, until, stepper or near_rounding(field))
 
 
 # ---- the watch on the distance from the checked point --------------------------------------------

@@ -30,8 +30,8 @@ from nonsmooth.analysis.trajectories.imposed_twists import (
     follow_held,
 )
 from nonsmooth.analysis.trajectories.result import End, EndReason, Trajectory, TrajectoryError
-from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.steppers import StiffAware
+from nonsmooth.analysis.trajectories.trajectory import follow_smooth
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.own_paths import ContradictionError

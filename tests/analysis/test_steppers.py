@@ -22,7 +22,7 @@ from nonsmooth.analysis.measurements.harness import log_slope
 from nonsmooth.analysis.trajectories import hysteresis
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
-from nonsmooth.analysis.trajectories.smooth_path import EXPLICIT, IMPLICIT, follow_smooth
+from nonsmooth.analysis.trajectories.smooth_path import EXPLICIT, IMPLICIT
 from nonsmooth.analysis.trajectories.steppers import (
     STAGES,
     Dop853,
@@ -32,7 +32,7 @@ from nonsmooth.analysis.trajectories.steppers import (
     decay_rate,
     written_out,
 )
-from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.analysis.trajectories.trajectory import follow_smooth, simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.conftest import Arrays

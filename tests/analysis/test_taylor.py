@@ -12,8 +12,8 @@ from scipy.linalg import expm
 from nonsmooth.analysis.fields.switched_field import AffineVelocity, ScalarVelocity
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.steppers import DEGREE, StiffAware, TaylorSteps, series_code
+from nonsmooth.analysis.trajectories.trajectory import follow_smooth
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.plain import built
 

@@ -36,8 +36,7 @@ from nonsmooth.analysis.trajectories.result import (
     Trajectory,
     TrajectoryError,
 )
-from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
-from nonsmooth.analysis.trajectories.trajectory import distance_watch, simulate
+from nonsmooth.analysis.trajectories.trajectory import distance_watch, follow_smooth, simulate
 from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.conftest import Arrays

@@ -18,9 +18,8 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis
 from nonsmooth.analysis.trajectories.maps import grid_starts, settle_map
 from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.steppers import StiffAware
-from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.analysis.trajectories.trajectory import follow_smooth, simulate
 from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from tests.benchmarks.conftest import Stopwatch
 

@@ -10,7 +10,7 @@ import pytest
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import affine_surface
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
-from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
+from nonsmooth.analysis.trajectories.trajectory import follow_smooth
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.rehearsals.midpoint import ImplicitMidpoint
 
