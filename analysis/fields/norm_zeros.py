@@ -228,8 +228,8 @@ class NormField(SignField):
 
     Attributes:
         zeros: of these norms.
-        keeping: the field of the motions that keep to some of these places, by their numbers, and a width, which stands in
-            denominators for a smaller norm; so does the least number that counts.
+        keeping: the field of the motions that keep to some of these places, by their numbers, and a width, that stands
+            in denominators for a smaller norm, as the least number that counts does.
     """
 
     zeros: tuple[NormZero, ...]
