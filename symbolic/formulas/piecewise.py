@@ -91,7 +91,16 @@ class PiecewiseExpression:
 
     def is_constant(self, node: ast.expr) -> bool:
         """Whether a part mentions no name but those of numbers."""
-        return names_of(node).issubset(NUMBERS)
+        return node in self._constant_parts
+
+    @cached_property
+    def _constant_parts(self) -> frozenset[ast.AST]:
+        """All parts that mention none; of a long formula nothing is walked twice."""
+        constant: set[ast.AST] = set()
+        for node in reversed(list(ast.walk(self.tree))):  # what a part consists of comes before it
+            if node.id in NUMBERS if isinstance(node, ast.Name) else constant.issuperset(ast.iter_child_nodes(node)):
+                constant.add(node)
+        return frozenset(constant)
 
     @cached_property
     def smooth_parts(self) -> frozenset[ast.AST]:
