@@ -28,10 +28,7 @@ from nonsmooth.analysis.cells.contact_rule import has_cells, smooth_rule_of
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces, LoadBox, load_box
 from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
-    Map,
-    approximate_inverse,
-    krawczyk,
-    lies_inside,
+    isolated_zero,
     linear_stability,
     newton,
     slope_of_pose_rate,
@@ -47,9 +44,6 @@ from nonsmooth.symbolic.numbers.number_text import upper_text
 PRECISION = 128  # bits
 NEWTON_STEPS = 6
 CENTRED = 2.0**-30  # of twist and forces: Newton's step in the middle of a box after which no better one is needed
-INFLATIONS = 20
-GROWTH = 1.0625  # of the image of a box, which is the next one
-LEAST = 2.0**-100  # of its half-widths, beside one
 DIGITS = 4  # of a bound of its distance from the point
 SPIN_DECIMALS = 15  # of the bounds of a rotation rate
 ROUNDING = Fraction(1, 10**11)  # of the accuracy: a place of rest so near is the point, to all printed digits
@@ -267,29 +261,6 @@ def _guesses(scene: Scene) -> Iterator[tuple[Balance, arb_mat]]:
             start = [*map(float, about), float(omega)]
             start += [float(pulls[kind][0, k]) for k, count in held.items() for kind in range(count)]
             yield Balance(scene, loads, held), arb_mat([[arb(entry)] for entry in start])
-
-
-def isolated_zero(equations: Map, centre: arb_mat) -> arb_mat | None:
-    """A box (n, 1) that holds one zero, the only one in a box about it; by a member of what the map encloses.
-
-    Args:
-        equations: the map with its Jacobian.
-        centre: an approximate zero.
-    """
-    found = equations(centre)
-    inverse = None if found is None else approximate_inverse(found[1])
-    if found is None or inverse is None:
-        return None
-    origin, image = arb_mat(centre.nrows(), 1), inverse * found[0] * arb(-1)
-    for _ in range(INFLATIONS):
-        box = arb_mat([[(GROWTH * abs(entry).upper() + LEAST) * UNIT] for entry in image.entries()])
-        over = equations(centre + box)
-        if over is None:
-            return None
-        image = krawczyk(origin, found[0], inverse, over[1], box)
-        if lies_inside(image, box):
-            return centre + image
-    return None
 
 
 def enclosed_motion(balance: Balance, near: arb_mat, place: Sequence[arb]) -> tuple[arb_mat, arb_mat] | None:

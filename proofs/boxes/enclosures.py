@@ -23,6 +23,9 @@ from nonsmooth.proofs.findings import Translation
 Map: TypeAlias = Callable[[arb_mat], tuple[arb_mat, arb_mat] | None]
 
 UNIT = arb(0, 1)  # the ball [-1, 1]
+INFLATIONS = 20
+GROWTH = 1.0625  # of the image of a box, which is the next one
+LEAST = 2.0**-100  # of its half-widths, beside one
 DOUBLINGS = 80  # of the bracket in which a zero is looked for
 
 
@@ -110,6 +113,29 @@ def krawczyk(centre: arb_mat, value: arb_mat, inverse: arb_mat, slope: arb_mat, 
 def lies_inside(inner: arb_mat, outer: arb_mat) -> bool:
     """Whether a box lies in the interior of another."""
     return all(b.contains_interior(a) for a, b in zip(inner.entries(), outer.entries(), strict=True))
+
+
+def isolated_zero(equations: Map, centre: arb_mat) -> arb_mat | None:
+    """A box (n, 1) that holds one zero, the only one in a box about it; by a member of what the map encloses.
+
+    Args:
+        equations: the map with its Jacobian.
+        centre: an approximate zero.
+    """
+    found = equations(centre)
+    inverse = None if found is None else approximate_inverse(found[1])
+    if found is None or inverse is None:
+        return None
+    origin, image = arb_mat(centre.nrows(), 1), inverse * found[0] * arb(-1)
+    for _ in range(INFLATIONS):
+        box = arb_mat([[(GROWTH * abs(entry).upper() + LEAST) * UNIT] for entry in image.entries()])
+        over = equations(centre + box)
+        if over is None:
+            return None
+        image = krawczyk(origin, found[0], inverse, over[1], box)
+        if lies_inside(image, box):
+            return centre + image
+    return None
 
 
 def slope_of_pose_rate(bend: arb_mat, by_place: arb_mat, place: Sequence[arb], omega: arb) -> arb_mat | None:

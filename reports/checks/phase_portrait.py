@@ -126,6 +126,12 @@ class PhasePortrait(Result):
 
     def draw(self, ax: Axes) -> None:
         """Everything, in the displacement from the checked point."""
+        self.draw_field(ax)
+        self.draw_potential(ax)
+        ax.plot([0], [0], "o", color=INK, markersize=5, zorder=6, label="checked point")
+
+    def draw_field(self, ax: Axes) -> None:
+        """The field, and what solutions do on borders."""
         half = self.system.check.half_width
         line = np.linspace(-half, half, MESH)
         xs, ys = np.meshgrid(line, line)
@@ -134,8 +140,6 @@ class PhasePortrait(Result):
         self._draw_nullclines(ax, xs, ys)
         self._draw_curves(ax, xs, ys)
         self.draw_borders(ax)
-        self.draw_potential(ax)
-        ax.plot([0], [0], "o", color=INK, markersize=5, zorder=6, label="checked point")
         x, y = self.system.states
         ax.set(xlim=(-half, half), ylim=(-half, half), xlabel=x, ylabel=y, aspect="equal")
 

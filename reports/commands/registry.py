@@ -47,6 +47,12 @@ COMMANDS = {  # in the order of the help
         "\n"
         "Exit status: 0 done, 2 bad input.",
     ),
+    "equilibria": Entry(
+        "Find all places of rest of a plain switched system, on its switching surfaces too, and the stability of each.",
+        "equilibria stick-slip",
+        "checks.equilibria.EQUILIBRIA",
+        "Exit status: 0 done, 2 bad input, 3 where some are not known.",
+    ),
     "sweep": Entry(
         "Check many scenes that differ in a few numbers: a table, strips or a map of answers, and where they change.",
         "sweep four-wheel --vary mu_side=0.05:2:40 -o sweep.svg",

@@ -16,6 +16,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.larger_region import LargerRegion
+    from nonsmooth.reports.checks.equilibria import EquilibriaResult
     from nonsmooth.reports.checks.phase_portrait import PhasePortrait
     from nonsmooth.reports.checks.system_results import SystemCheckResult
     from nonsmooth.reports.exchange.formulas import FieldFormulas
@@ -378,6 +379,16 @@ class System(PythonScene):
             SceneError: for another number of states than two, and for arbitrary switching.
         """
         return self._simulated(grid=grid, until=until)
+
+    def equilibria(self) -> EquilibriaResult:
+        """All places of rest in the checked square, on switching surfaces too, and the stability of each.
+
+        Raises:
+            SceneError: for arbitrary switching, roots of states, norms, and for too many states or surfaces.
+        """
+        from nonsmooth.reports.checks.equilibria import EQUILIBRIA
+
+        return self._studied(EQUILIBRIA)
 
     def portrait(self) -> PhasePortrait:
         """The phase portrait of two states: cells with their fields, what solutions do on borders, level sets of V.

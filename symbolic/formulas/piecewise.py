@@ -25,7 +25,6 @@ from nonsmooth.symbolic.formulas.trees import (
     OPERATIONS,
     SIGNS,
     ExpressionError,
-    names_of,
     parse_tree,
     written,
 )

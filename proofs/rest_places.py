@@ -1,0 +1,738 @@
+"""All places in a cube where a plain system may rest, enclosed: equilibria of cells and of sliding motion, and corners.
+
+A place rests if 0 is in F there.  In a cell that is ``f(x) = 0``.  On one surface ``s = 0`` between two fields it is
+
+    s(x) = 0,    l f(x) + (1 - l) g(x) = 0,    0 <= l <= 1,
+
+n + 1 equations for x and l: a *pseudo-equilibrium*, or *boundary equilibrium* where l is 0 or 1 (Kuznetsov, Rinaldi and
+Gragnani 2003).  In the plane two surfaces meet in points, and 0 is in the hull of four fields,
+or not.  Boxes that hold no zero by their balls, or by Krawczyk's operator, are dropped, those in which it shows exactly
+one are kept, and others are halved: so nothing is missed, and what is left at the end is said to be left.
+
+Stability follows from the linearization where that decides, in balls: of f, or of the sliding motion with ``A = l f' +
+(1 - l) g'``, ``b = f - g`` and ``c = grad s``,
+
+    (1 - b c^T/(c^T b)) A,    on the surface,
+
+which solutions come to in finite time if both fields lead to it, and leave if one does not (Filippov 1988, sec. 19).
+Places whose coordinates are simple rational numbers are checked to be exact; there the whole search of theorems can be
+asked.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from fractions import Fraction
+from itertools import combinations, product
+from typing import TypeAlias
+
+import numpy as np
+from flint import acb_mat, arb, arb_mat
+
+from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
+from nonsmooth.analysis.fields.convex_weights import shortest_mixture
+from nonsmooth.analysis.fields.stated_field import StatedField, stated_field, stated_fields
+from nonsmooth.proofs.boxes.enclosures import (
+    UNIT,
+    Map,
+    approximate_inverse,
+    isolated_zero,
+    krawczyk,
+    lies_inside,
+    newton,
+)
+from nonsmooth.proofs.findings import Equilibrium, Translation
+from nonsmooth.proofs.orbits.ball_steps import BallPolynomials
+from nonsmooth.proofs.system_decision import checked_point
+from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, border_parts, wave_border_parts
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.messages.under_way import tell_count
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.systems.switched_system import (
+    SwitchedSystem,
+    SystemCheck,
+    require_one_field,
+    signs_by_factors,
+)
+
+MOST_SURFACES = 6  # 2^6 cells are looked at
+MOST_STATES = 4
+MOST_BOXES = 4_000  # that are looked at for the zeros of one set of equations
+SPLIT = 1 / 2 + 2.0**-5  # of a side: a zero in the middle is on no border of boxes then
+WIDER = 1 + 2.0**-3  # than a box is the one in which a zero is shown, so that one on its border is
+FINEST = 2.0**-20  # of the cube: smaller boxes are left
+CLUSTER = 2.0**-10  # of the cube: in a smaller cluster of boxes that are left one place may rest
+ENDS = 2.0**-18  # of the cube: as near to the end of a stretch nothing is told apart from that
+NEWTON_STEPS = 6  # from the middle of a box in which a zero is isolated
+SIMPLE = 1_000  # denominators of coordinates that are tried
+SLOPES: dict[str, Callable[[arb, arb], arb]] = {  # from what a function is of, and its value
+    "sin": lambda v, value: v.cos(),
+    "cos": lambda v, value: -v.sin(),
+    "tanh": lambda v, value: 1 - value * value,
+    "atan": lambda v, value: 1 / (1 + v * v),
+    "exp": lambda v, value: value,
+}
+
+Box: TypeAlias = list[arb]
+Guards: TypeAlias = Sequence[Callable[[Sequence[arb]], arb]]  # positive where the equations are meant
+
+
+class RestKind(StrEnum):
+    """Where a place of rest lies."""
+
+    CELL = "inside a cell"
+    SLIDING = "on a surface that both fields lead to"
+    REPELLING = "on a surface that both fields lead away from"
+    BOUNDARY = "on a surface, where one of its fields is zero or runs along it"
+    CORNER = "where surfaces meet"
+
+
+@dataclass(frozen=True)
+class RestPlace:
+    """One place of rest.
+
+    Attributes:
+        place: its coordinates in balls.
+        exact: the same as numbers, where they are simple; else None.
+        kind: where it lies.
+        surfaces: the names of the surfaces on which it lies, or may lie.
+        stability: by linearization.
+        shape: node, focus or saddle, in two states; empty where that is open.
+    """
+
+    place: tuple[arb, ...]
+    exact: tuple[Number, ...] | None
+    kind: RestKind
+    surfaces: tuple[str, ...]
+    stability: Translation
+    shape: str = ""
+
+
+@dataclass(frozen=True)
+class RestPlaces:
+    """All places of rest of a cube.
+
+    Attributes:
+        places: those that are alone, from the nearest to the checked point on.
+        stretches: in the plane, parts of straight borders on which every place rests; their ends, too, as nearly as
+            they are known, a millionth of the cube.
+        left: boxes, in coordinates of the states, in which it is not known whether any place rests, or how many.
+    """
+
+    places: tuple[RestPlace, ...]
+    stretches: tuple[BorderPart, ...]
+    left: tuple[tuple[arb, ...], ...]
+
+
+def rest_places(system: SwitchedSystem) -> RestPlaces:
+    """All places of rest of the checked cube.
+
+    Raises:
+        SceneError: for arbitrary switching, roots of states, norms, denominators that are zero at the checked point,
+            and for too many states or surfaces.
+    """
+    require_one_field(system)
+    _require_few(system)
+    search = _Search(system)
+    for held in range(3 if system.is_planar else 2):
+        for chosen in combinations(range(len(search.surfaces)), held):
+            search.look_on(chosen)
+    if len(system.states) > 2:
+        search.look_where_surfaces_meet()
+    search.look_in_clusters()
+    found = sorted(search.found, key=lambda own: sum(float(c) ** 2 for c in search.displaced(own.place)))
+    left = [box for box in search.left if not search.is_at_end(box, ENDS)]
+    return RestPlaces(tuple(found), tuple(search.stretches), tuple(left))
+
+
+def _require_few(system: SwitchedSystem) -> None:
+    if len(system.states) > MOST_STATES:
+        raise SceneError(system.origin, "system.states", f"at most {MOST_STATES} states", list(system.states))
+    if system.vanishing or system.rewriting.norms:
+        expected = "formulas without norms, and without denominators that are zero at the checked point"
+        raise SceneError(system.origin, "system.rhs", expected, StatedFact("some"))
+
+
+# ---- fields, guards and equations in balls -------------------------------------------------------
+
+
+class _BallField:
+    """A field with its Jacobian."""
+
+    def __init__(self, stated: StatedField, states: Sequence[str]) -> None:
+        self.stated, self.count = stated, len(states)
+        slopes = [rate.derivative(name) for rate in stated.rates for name in stated.rates[0].variables]
+        self._all = BallPolynomials([*stated.rates, *slopes])
+        self._waves = [
+            (wave.kind, BallPolynomials([wave.argument, *(wave.argument.derivative(name) for name in states)]))
+            for wave in stated.waves
+        ]
+
+    def at(self, x: Sequence[arb]) -> tuple[list[arb], list[list[arb]]]:
+        """The rates (n,), and their derivatives (n, n), over a box."""
+        n, waves, turns = self.count, list[arb](), list[list[arb]]()
+        for kind, argument in self._waves:
+            v, *slopes = map(arb, argument(x))
+            value = getattr(v, kind)()
+            waves.append(value)
+            turns.append([SLOPES[kind](v, value) * slope for slope in slopes])
+        values = list(map(arb, self._all([*x, *waves])))
+        rates, rest = values[:n], values[n:]
+        width = n + len(waves)
+        rows = [rest[k * width : (k + 1) * width] for k in range(n)]
+        return rates, [
+            [row[j] + sum((row[n + k] * turn[j] for k, turn in enumerate(turns)), start=arb(0)) for j in range(n)]
+            for row in rows
+        ]
+
+
+def _cell_equations(own: _BallField) -> Map:
+    """``f = 0``."""
+
+    def at(z: arb_mat) -> tuple[arb_mat, arb_mat]:
+        rates, slopes = own.at(z.entries())
+        return arb_mat([[rate] for rate in rates]), arb_mat(slopes)
+
+    return at
+
+
+def _sliding_equations(first: _BallField, second: _BallField, surface: BallPolynomials) -> Map:
+    """``l f + (1 - l) g = 0, s = 0`` in x and l."""
+
+    def at(z: arb_mat) -> tuple[arb_mat, arb_mat]:
+        *x, share = z.entries()
+        (f, f_slopes), (g, g_slopes) = first.at(x), second.at(x)
+        s, *normal = map(arb, surface(x))
+        values = [[b + share * (a - b)] for a, b in zip(f, g, strict=True)]
+        rows = [
+            [*(q + share * (p - q) for p, q in zip(own, other, strict=True)), a - b]
+            for own, other, a, b in zip(f_slopes, g_slopes, f, g, strict=True)
+        ]
+        return arb_mat([*values, [s]]), arb_mat([*rows, [*normal, arb(0)]])
+
+    return at
+
+
+def _corner_equations(first: BallPolynomials, second: BallPolynomials) -> Map:
+    """``s = t = 0``."""
+
+    def at(z: arb_mat) -> tuple[arb_mat, arb_mat]:
+        (s, *s_slopes), (t, *t_slopes) = (list(map(arb, own(z.entries()))) for own in (first, second))
+        return arb_mat([[s], [t]]), arb_mat([s_slopes, t_slopes])
+
+    return at
+
+
+# ---- isolated zeros ------------------------------------------------------------------------------
+
+
+@dataclass
+class _Zeros:
+    """The zeros of a map in a box: where its guards may be positive, all of them are in what is found or left."""
+
+    found: list[Box] = field(default_factory=list)
+    regions: list[Box] = field(default_factory=list)  # in each of which there is one zero, that which is found
+    left: list[Box] = field(default_factory=list)
+
+
+def _zeros(equations: Map, guards: Guards, box: Box) -> _Zeros:
+    """All zeros in a box on which no guard is negative."""
+    result, waiting, looked = _Zeros(), deque([box]), 0
+    sizes = [float(side.rad()) or 1.0 for side in box]
+    while waiting:
+        own, looked = waiting.popleft(), looked + 1  # the largest first
+        if any(bool(guard(own) < 0) for guard in guards):
+            continue
+        wide = [side.mid() + side.rad() * WIDER * UNIT for side in own]
+        state = _isolated(equations, wide)
+        if state is None:
+            continue
+        if isinstance(state, list):
+            _keep(result, state, wide, own)
+        elif looked > MOST_BOXES or max(float(s.rad()) / size for s, size in zip(own, sizes, strict=True)) < FINEST:
+            result.left.append(own)
+        else:
+            waiting += _halves(own, sizes)
+    return result
+
+
+def _isolated(equations: Map, box: Box) -> Box | bool | None:
+    """The only zero in a box; None where there is none, and false where neither is shown."""
+    column = arb_mat([[side] for side in box])
+    middle = arb_mat([[arb(side.mid())] for side in box])
+    over, here = equations(column), equations(middle)
+    if over is None or here is None:
+        return False
+    nearer = here[0] + over[1] * (column - middle)
+    if any(not a.contains(0) or not b.contains(0) for a, b in zip(over[0].entries(), nearer.entries(), strict=True)):
+        return None
+    inverse = approximate_inverse(over[1])
+    if inverse is None:
+        return False
+    image = krawczyk(middle, here[0], inverse, over[1], column)
+    if any(not a.overlaps(b) for a, b in zip(image.entries(), box, strict=True)):
+        return None
+    return _refined(equations, image) if lies_inside(image, column) else False
+
+
+def _refined(equations: Map, image: arb_mat) -> Box:
+    """A smaller box about the one zero in a box."""
+    centre = newton(equations, image.mid(), NEWTON_STEPS)
+    found = None if centre is None else isolated_zero(equations, centre)
+    is_that = found is not None and all(a.contains(b) for a, b in zip(image.entries(), found.entries(), strict=True))
+    return list((found if is_that else image).entries())  # type: ignore[union-attr]
+
+
+def _keep(result: _Zeros, zero: Box, region: Box, box: Box) -> None:
+    """Note a zero that may lie in a box, unless it is known."""
+    if not all(a.overlaps(b) for a, b in zip(zero, box, strict=True)):
+        return
+    for known, other in zip(result.found, result.regions, strict=True):
+        if all(b.contains(a) for a, b in zip(zero, other, strict=True)) or all(
+            b.contains(a) for a, b in zip(known, region, strict=True)
+        ):
+            return
+    result.found.append(zero)
+    result.regions.append(region)
+
+
+def _halves(box: Box, sizes: Sequence[float]) -> list[Box]:
+    """Its two parts across the side that is longest beside that of the first box."""
+    k = max(range(len(box)), key=lambda j: float(box[j].rad()) / sizes[j])
+    low, high = box[k].lower(), box[k].upper()
+    cut = (low + (high - low) * SPLIT).mid()
+    return [[*box[:k], a.union(b), *box[k + 1 :]] for a, b in ((low, cut), (cut, high))]
+
+
+# ---- the search over cells, surfaces and corners -------------------------------------------------
+
+
+class _Search:
+    """What is found so far; coordinates are displacements from the checked point."""
+
+    def __init__(self, system: SwitchedSystem) -> None:
+        self.system, self.count = system, len(system.states)
+        self.centre, self.radius = system.check.equilibrium, system.check.radius
+        moved = system.displaced(system.states)
+        stated = system.surfaces()
+        if len(stated) > MOST_SURFACES:
+            raise SceneError(
+                system.origin, "system.rhs", f"at most {MOST_SURFACES} switching surfaces", StatedFact(f"{len(stated)}")
+            )
+        self.surfaces = [surface.composed(moved) for surface in stated]
+        self.names = [str(surface) for surface in stated]
+        self._with_slopes = [
+            BallPolynomials([own, *(own.derivative(name) for name in system.states)]) for own in self.surfaces
+        ]
+        self._fields: dict[tuple[int, ...], _BallField] = {}
+        self.found: list[RestPlace] = []
+        self.stretches = list(self._stretches())
+        self.left: list[tuple[arb, ...]] = []
+
+    def displaced(self, place: Sequence[arb]) -> list[arb]:
+        """Coordinates of the states as a displacement."""
+        return [x - c.ball() for x, c in zip(place, self.centre, strict=True)]
+
+    def stated(self, x: Sequence[arb]) -> tuple[arb, ...]:
+        """A displacement as coordinates of the states."""
+        return tuple(own + c.ball() for own, c in zip(x, self.centre, strict=True))
+
+    def is_at_end(self, place: Sequence[arb], room: float) -> bool:
+        """Whether a box may hold the end of a stretch, or be as near to it as a share of the cube."""
+        near = self.radius.ball() * room * UNIT
+        ends = [end for part in self.stretches for end in (part.start, part.end)]
+        boxes = [self.stated([own.ball() + near for own in end]) for end in ends]
+        return any(all(a.overlaps(b) for a, b in zip(box, place, strict=True)) for box in boxes)
+
+    def field(self, signs: tuple[int, ...]) -> _BallField:
+        """The field where the surfaces have these signs."""
+        if signs not in self._fields:
+            sign_of = signs_by_factors(dict(zip(self.surfaces, signs, strict=True)))
+            stated = stated_field(self.system, self.system.states, sign_of)
+            self._fields[signs] = _BallField(stated, self.system.states)
+        return self._fields[signs]
+
+    def value(self, k: int, x: Sequence[arb]) -> arb:
+        """A surface at a place."""
+        return arb(self._with_slopes[k](x)[0])
+
+    # ---- equations -----------------------------------------------------------------------
+
+    def look_on(self, chosen: tuple[int, ...]) -> None:
+        """Find what rests on some surfaces, and on either side of all others."""
+        others = [k for k in range(len(self.surfaces)) if k not in chosen]
+        patterns = list(product((1, -1), repeat=len(others)))
+        for number, sides in enumerate(patterns):
+            tell_count(number, len(patterns), "cells")
+            signs = dict(zip(others, sides, strict=True))
+            around = [self._field_of(signs | dict(zip(chosen, own, strict=True))) for own in self._sides(chosen)]
+            if chosen and self._is_no_border(around):
+                continue
+            guards = [lambda z, k=k, side=side: self.value(k, z[: self.count]) * side for k, side in signs.items()]
+            box = [self.radius.ball() * UNIT for _ in range(self.count)]
+            if not chosen:
+                equations = _cell_equations(around[0])
+            elif len(chosen) == 1:
+                if self._rests_along(chosen[0], around):
+                    continue
+                equations = _sliding_equations(around[0], around[1], self._with_slopes[chosen[0]])
+                box = [*box, (1 + UNIT) / 2]
+            else:
+                equations = _corner_equations(*(self._with_slopes[k] for k in chosen))
+            zeros = _zeros(equations, guards, box)
+            self.left += [self.stated(own[: self.count]) for own in zeros.left]
+            for zero in zeros.found:
+                self._note(chosen, signs, around, zero)
+
+    def look_where_surfaces_meet(self) -> None:
+        """Leave boxes on several surfaces, in three states and more, where 0 may be in the hull of all fields around.
+
+        It is not where all of them lead along one direction.  Such places are seldom alone: on a curve in space four
+        fields have one weight more than there are equations.
+        """
+        waiting, looked = deque([[self.radius.ball() * UNIT for _ in range(self.count)]]), 0
+        while waiting:
+            box, looked = waiting.popleft(), looked + 1
+            signs = [_sign(self.value(k, box)) for k in range(len(self.surfaces))]
+            if signs.count(0) < 2:
+                continue
+            patterns = product(*((own,) if own else (1, -1) for own in signs))
+            if _lead_one_way([self.field(pattern).at(box)[0] for pattern in patterns]):
+                continue
+            if looked > MOST_BOXES or float(box[0].rad()) < FINEST * float(self.radius):
+                self.left.append(self.stated(box))
+            else:
+                waiting += _halves(box, [1.0] * self.count)
+
+    def look_in_clusters(self) -> None:
+        """Note simple places that rest in small clusters of boxes that are left, as where zeros are not simple."""
+        most = self.radius.ball() * CLUSTER
+        for hull in _clusters(self.left):
+            x = self.displaced(hull)
+            simple = [self._simple(own, c) for own, c in zip(x, self.centre, strict=True)]
+            exact = tuple(own for own in simple if own is not None)
+            if any(not x.rad() < most for x in hull) or len(exact) < self.count:
+                continue
+            on = [k for k, surface in enumerate(self.surfaces) if not surface(exact)]
+            kind = RestKind.CORNER if len(on) > 1 else RestKind.BOUNDARY if on else RestKind.CELL
+            place = self._place([own.ball() for own in exact], exact, kind, on)
+            moved = at_place(self.system, place)
+            if moved is not None and checked_point(moved).equilibrium is Equilibrium.HOLDS:
+                self._add(place)
+
+    @staticmethod
+    def _sides(chosen: Sequence[int]) -> Iterator[tuple[int, ...]]:
+        return product((1, -1), repeat=len(chosen))
+
+    def _field_of(self, signs: dict[int, int]) -> _BallField:
+        return self.field(tuple(signs[k] for k in range(len(self.surfaces))))
+
+    def _is_no_border(self, around: Sequence[_BallField]) -> bool:
+        """Whether the fields on the sides of what is held are one."""
+        return all(own.stated == around[0].stated for own in around)
+
+    def _rests_along(self, k: int, around: Sequence[_BallField]) -> bool:
+        """Whether both fields are parallel all along a line in the plane, where stretches of rest say all."""
+        surface = self.surfaces[k]
+        if not self.system.is_planar or surface.degree > 1:
+            return False
+        return not _along_line(_cross(*(own.stated for own in around)), surface)
+
+    def _stretches(self) -> Iterator[BorderPart]:
+        """Parts of straight borders in the plane on which every place rests; those that end at each other as one."""
+        if not self.system.is_planar:
+            return
+        cells = system_cells(self.system, square_regions(self.radius))
+        fields = stated_fields(self.system, cells)
+        parts = wave_border_parts(cells, fields) if self.system.rewriting.names else border_parts(cells)
+        waiting = [part for part in parts if self._is_stretch(part)]
+        while waiting:
+            own = waiting.pop()
+            other = next((part for part in waiting if part.kind is own.kind and _meet(part, own)), None)
+            if other is None:
+                yield _forward(own)
+            else:
+                waiting.remove(other)
+                waiting.append(_joined(own, other))
+
+    def _is_stretch(self, part: BorderPart) -> bool:
+        (a, b), (x, y) = part.normal, part.start
+        line = Polynomial.coordinates(self.system.field, self.system.states)
+        surface = (line[0] - x) * a + (line[1] - y) * b
+        is_kept = part.kind in (BorderKind.SLIDING, BorderKind.REPELLING)
+        return is_kept and not _along_line(_cross(*part.fields), surface)
+
+    # ---- what a zero is ------------------------------------------------------------------
+
+    def _note(
+        self, chosen: tuple[int, ...], signs: dict[int, int], around: Sequence[_BallField], zero: Sequence[arb]
+    ) -> None:
+        """Take a zero for the place of rest that it is; where that is not known, its box is left."""
+        x, share = zero[: self.count], zero[self.count :]
+        is_outside = any(bool(abs(own) > self.radius.ball()) for own in x)
+        if is_outside or any(bool(own < 0) or bool(own > 1) for own in share):
+            return
+        exact = self._exact(chosen, around, x)
+        on = list(chosen)
+        for k, side in signs.items():
+            if not chosen and self._field_of(signs | {k: -side}).stated == around[0].stated:
+                continue  # which is no border here
+            value = sign(self.surfaces[k](exact)) if exact is not None else None
+            known = value if value is not None else _sign(self.value(k, x))
+            if known == -side:
+                return
+            if known == 0 and exact is None:
+                self.left.append(self.stated(x))
+                return
+            on += [k] * (known == 0)
+        is_mixed = not any(own.contains(0) or own.contains(1) for own in share)
+        if len(chosen) < 2 and len(on) == len(chosen) and is_mixed:
+            self._add(self._regular(chosen, around, x, share, exact))
+            return
+        place = self._place(x, exact, RestKind.CORNER if len(on) > 1 else RestKind.BOUNDARY, on)
+        holds = self._holds_zero(place, around, x)
+        if holds is None:
+            self.left.append(self.stated(x))
+        elif holds:
+            self._add(place)
+
+    def _place(self, x: Sequence[arb], exact: Sequence[Number] | None, kind: RestKind, on: Sequence[int]) -> RestPlace:
+        numbers = None if exact is None else tuple(a + c for a, c in zip(exact, self.centre, strict=True))
+        names = tuple(f"{self.names[k]} = 0" for k in sorted(on))
+        return RestPlace(self.stated(x), numbers, kind, names, Translation.UNDECIDED)
+
+    def _add(self, place: RestPlace) -> None:
+        """Note a place, unless it is known: on surfaces places are found from several sides."""
+        known = any(all(a.overlaps(b) for a, b in zip(own.place, place.place, strict=True)) for own in self.found)
+        if not known and not self.is_at_end(place.place, 0.0):
+            self.found.append(place)
+
+    def _regular(
+        self,
+        chosen: tuple[int, ...],
+        around: Sequence[_BallField],
+        x: Sequence[arb],
+        share: Sequence[arb],
+        exact: Sequence[Number] | None,
+    ) -> RestPlace:
+        """An equilibrium of one field, or of sliding motion with a positive share of both."""
+        if not chosen:
+            matrix = around[0].at(x)[1]
+            found = self._place(x, exact, RestKind.CELL, ())
+            return replace(found, stability=_stability(matrix), shape=_shape(matrix))
+        (f, f_slopes), (g, g_slopes) = (own.at(x) for own in around)
+        normal = list(map(arb, self._with_slopes[chosen[0]](x)[1:]))
+        out_of_first = _dot(normal, f)  # the first field acts where the surface is positive
+        kind = RestKind.SLIDING if out_of_first < 0 else RestKind.REPELLING
+        across = _dot(normal, [a - b for a, b in zip(f, g, strict=True)])
+        if not (out_of_first < 0 or out_of_first > 0) or across.contains(0):
+            return self._place(x, exact, RestKind.BOUNDARY, chosen)
+        mixed = [
+            [q + share[0] * (p - q) for p, q in zip(own, other, strict=True)]
+            for own, other in zip(f_slopes, g_slopes, strict=True)
+        ]
+        falls = [_dot(normal, [row[j] for row in mixed]) / across for j in range(self.count)]
+        sliding = [
+            [own[j] - (a - b) * falls[j] for j in range(self.count)] for own, a, b in zip(mixed, f, g, strict=True)
+        ]
+        matrix = _on_surface(sliding, normal)
+        stability = _stability(matrix) if kind is RestKind.SLIDING else Translation.UNSTABLE
+        found = self._place(x, exact, kind, chosen)
+        return replace(found, stability=stability, shape=_sliding_shape(matrix, kind))
+
+    def _exact(
+        self, chosen: tuple[int, ...], around: Sequence[_BallField], x: Sequence[arb]
+    ) -> tuple[Number, ...] | None:
+        """The displacement as numbers, where it is simple and shown to be that zero."""
+        numbers = [self._simple(own, c) for own, c in zip(x, self.centre, strict=True)]
+        place = tuple(own for own in numbers if own is not None)
+        if len(place) < self.count or any(own.stated.waves for own in around):
+            return None
+        if any(self.surfaces[k](place) for k in chosen):
+            return None
+        values = [[rate(place) for rate in own.stated.rates] for own in around]
+        if len(chosen) > 1:
+            return place
+        if not chosen:
+            return None if any(values[0]) else place
+        f, g = values
+        parallel = all(not a * d - b * c for (a, c), (b, d) in combinations(zip(f, g, strict=True), 2))
+        against = sum((a * b for a, b in zip(f, g, strict=True)), start=self.system.field.zero)
+        return place if parallel and not against > 0 else None
+
+    def _simple(self, x: arb, centre: Number) -> Number | None:
+        """A displacement to a coordinate with a small denominator, where one lies in a ball."""
+        stated = x + centre.ball()
+        guess = self.system.field.rational(Fraction(float(stated.mid())).limit_denominator(SIMPLE))
+        return guess - centre if stated.contains(guess.ball()) or stated.overlaps(guess.ball()) else None
+
+    def _holds_zero(self, place: RestPlace, around: Sequence[_BallField], x: Sequence[arb]) -> bool | None:
+        """Whether 0 is in F; None where that is not known.
+
+        Of a field that is zero on one surface it is; where more surfaces meet, by all cells that do.
+        """
+        if place.kind is RestKind.BOUNDARY:
+            return None if place.exact is None else True
+        if place.exact is None:
+            return _balls_hold_zero([tuple(own.at(x)[0]) for own in around])  # type: ignore[misc]
+        moved = at_place(self.system, place)
+        found = Equilibrium.UNDECIDED if moved is None else checked_point(moved).equilibrium
+        return None if found is Equilibrium.UNDECIDED else found is Equilibrium.HOLDS
+
+
+def at_place(system: SwitchedSystem, place: RestPlace) -> SwitchedSystem | None:
+    """The system that is checked at a place of rest, on a cube within that which was searched; None where it cannot be.
+
+    Sines are enclosed about the checked point, and coordinates must be exact.
+    """
+    if place.exact is None or system.rewriting.names:
+        return None
+    away = zip(place.exact, system.check.equilibrium, strict=True)
+    room = min((system.check.radius - abs(a - c) for a, c in away), key=float)
+    if not room > 0:
+        return None
+    lyapunov = parse_piecewise(" + ".join(f"{name}**2" for name in system.states), system.states)
+    return replace(system, check=SystemCheck(place.exact, room, lyapunov, is_default=True))
+
+
+def _clusters(boxes: Sequence[Sequence[arb]]) -> list[Box]:
+    """The hulls of boxes that overlap each other."""
+    hulls: list[Box] = []
+    for box in boxes:
+        own, apart = list(box), list[Box]()
+        for hull in hulls:
+            if all(a.overlaps(b) for a, b in zip(own, hull, strict=True)):
+                own = [a.union(b) for a, b in zip(own, hull, strict=True)]
+            else:
+                apart.append(hull)
+        hulls = [*apart, own]
+    return hulls
+
+
+# ---- vectors and matrices ------------------------------------------------------------------------
+
+
+def _sign(value: arb) -> int:
+    return 1 if value > 0 else -1 if value < 0 else 0
+
+
+def _dot(first: Sequence[arb], second: Sequence[arb]) -> arb:
+    return sum((a * b for a, b in zip(first, second, strict=True)), start=arb(0))
+
+
+def _cross(first: StatedField, second: StatedField) -> Polynomial:
+    (a, b), (c, d) = first.rates, second.rates
+    return a * d - b * c
+
+
+def _along_line(polynomial: Polynomial, line: Polynomial) -> Polynomial:
+    """A polynomial in the plane, and in names of sines, at the points of a line, one after the other."""
+    x, y = line.variables
+    own = line.field
+    zero = (own.zero, own.zero)
+    c, a, b = line(zero), line.derivative(x)(zero), line.derivative(y)(zero)
+    t, *names = Polynomial.coordinates(own, ("t", *polynomial.variables[2:]))
+    size = (a * a + b * b).inverse()
+    return polynomial.composed((t * -b - a * c * size, t * a - b * c * size, *names))
+
+
+def _meet(first: BorderPart, second: BorderPart) -> bool:
+    """Whether one of two parts of borders goes on where the other one ends, in the same direction."""
+    (a, b), (c, d) = first.normal, second.normal
+    return not a * d - b * c and bool({first.start, first.end} & {second.start, second.end})
+
+
+def _forward(part: BorderPart) -> BorderPart:
+    """The same from the end with the smaller coordinates."""
+    start, end = sorted((part.start, part.end), key=lambda own: tuple(map(float, own)))
+    return replace(part, start=start, end=end)
+
+
+def _joined(first: BorderPart, second: BorderPart) -> BorderPart:
+    start, end = {first.start, first.end} ^ {second.start, second.end}
+    return replace(first, start=start, end=end, is_exact=first.is_exact and second.is_exact)
+
+
+def _balls_hold_zero(vectors: Sequence[tuple[arb, arb]]) -> bool | None:
+    """Whether 0 is in the hull of vectors of the plane; None where that is not known.
+
+    It is in that of three that turn all around it, and in none of vectors in one open half-plane.
+    """
+
+    def cross(a: tuple[arb, arb], b: tuple[arb, arb]) -> arb:
+        return a[0] * b[1] - a[1] * b[0]
+
+    for a, b, c in combinations(vectors, 3):
+        turns = [_sign(cross(*pair)) for pair in ((a, b), (b, c), (c, a))]
+        if turns in ([1, 1, 1], [-1, -1, -1]):
+            return True
+    turned = [(side * -y, side * x) for x, y in vectors for side in (1, -1)]
+    sums = [(a + c, b + d) for (a, b), (c, d) in combinations(turned, 2)]
+    for d in (*vectors, *sums):
+        middle = d[0].mid(), d[1].mid()
+        if all(bool(middle[0] * x + middle[1] * y > 0) for x, y in vectors):
+            return False
+    return None
+
+
+def _lead_one_way(vectors: Sequence[Sequence[arb]]) -> bool:
+    """Whether all vectors lead along one direction, that of the shortest mixture of their middles."""
+    middles = np.array([[float(entry) for entry in own] for own in vectors])
+    weights = shortest_mixture(np.zeros((len(middles), 1)), middles)
+    if weights is None or not np.isfinite(middles).all():
+        return False
+    direction = [arb(entry) for entry in (weights @ middles).tolist()]
+    return all(bool(_dot(direction, own) > 0) for own in vectors)
+
+
+def _on_surface(matrix: Sequence[Sequence[arb]], normal: Sequence[arb]) -> list[list[arb]]:
+    """A linear map on the vectors across a normal, by all coordinates but that with the largest entry there."""
+    k = max(range(len(normal)), key=lambda j: abs(float(normal[j].mid())))
+    kept = [j for j in range(len(normal)) if j != k]
+    return [[matrix[i][j] - matrix[i][k] * normal[j] / normal[k] for j in kept] for i in kept]
+
+
+def _stability(matrix: Sequence[Sequence[arb]]) -> Translation:
+    """What the eigenvalues say; of a surface in one state there are none, and nothing moves on it."""
+    signs = {_sign(value) for value in _real_parts(matrix)}
+    if 1 in signs:
+        return Translation.UNSTABLE
+    return Translation.UNDECIDED if 0 in signs else Translation.ASYMPTOTICALLY_STABLE
+
+
+def _real_parts(matrix: Sequence[Sequence[arb]]) -> list[arb]:
+    """The real parts of all eigenvalues; in two dimensions numbers of the same signs."""
+    if len(matrix) < 2:
+        return [row[0] for row in matrix]
+    if len(matrix) == 2:
+        (a, b), (c, d) = matrix
+        trace, determinant = a + d, a * d - b * c
+        return [trace, trace] if determinant > 0 else [arb(1), arb(-1)] if determinant < 0 else [arb(0), trace]
+    try:
+        return [value.real for value in acb_mat(arb_mat(matrix)).eig(multiple=True, algorithm="vdhoeven_mourrain")]
+    except ValueError:
+        return [arb(0)]
+
+
+def _shape(matrix: Sequence[Sequence[arb]]) -> str:
+    """Saddle, node or focus, in two states."""
+    if len(matrix) != 2:
+        return ""
+    (a, b), (c, d) = matrix
+    determinant, bend = a * d - b * c, (a - d) ** 2 + 4 * b * c
+    if determinant < 0:
+        return "saddle"
+    return "" if not determinant > 0 else "node" if bend > 0 else "focus" if bend < 0 else ""
+
+
+def _sliding_shape(matrix: Sequence[Sequence[arb]], kind: RestKind) -> str:
+    """Pseudo-node or pseudo-saddle, in two states: whether the sliding motion turns it the way that the fields do."""
+    if len(matrix) != 1:
+        return ""
+    turn = _sign(matrix[0][0]) * (-1 if kind is RestKind.SLIDING else 1)
+    return {1: "pseudo-node", -1: "pseudo-saddle", 0: ""}[turn]

@@ -1,0 +1,222 @@
+"""``nonsmooth equilibria``: all places of rest of a plain system in the checked square, and what each of them is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from nonsmooth.proofs.findings import Record, Translation
+from nonsmooth.proofs.rest_places import RestPlace, RestPlaces, at_place, rest_places
+from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.border_motion import BorderKind
+from nonsmooth.reports.output.document import Block, sentences, table
+from nonsmooth.reports.output.facts import floats, with_exact
+from nonsmooth.reports.output.refusals import RefusedError, refusals_named
+from nonsmooth.reports.output.study_options import Options
+from nonsmooth.reports.studies.result import DataTable, Result
+from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
+from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
+from nonsmooth.symbolic.messages.under_way import part_of
+from nonsmooth.symbolic.numbers.number_text import exact_place, place_text
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
+SCHEMA = "nonsmooth-equilibria/1"
+SIZE = 6.4  # inches
+LINEARIZED = "linearization"
+STRETCHES = {
+    BorderKind.SLIDING: "every place of it rests, and both fields lead to it",
+    BorderKind.REPELLING: "every place of it rests, and both fields lead away from it",
+}
+MARKERS: dict[Translation, Record] = {
+    Translation.ASYMPTOTICALLY_STABLE: {"marker": "o", "color": "black", "label": "asymptotically stable"},
+    Translation.STABLE: {"marker": "o", "color": "black", "fillstyle": "bottom", "label": "stable"},
+    Translation.UNSTABLE: {"marker": "o", "color": "black", "fillstyle": "none", "label": "unstable"},
+    Translation.UNDECIDED: {"marker": "x", "color": "black", "label": "undecided"},
+}
+
+
+@dataclass(frozen=True, repr=False)
+class EquilibriaResult(Result):
+    """The places of rest of a plain system.
+
+    Attributes:
+        system: the system.
+        found: the places.
+        verdicts: the stability of each, and the theorem that decides it.
+    """
+
+    system: SwitchedSystem
+    found: RestPlaces
+    verdicts: tuple[tuple[Translation, str], ...]
+
+    def facts(self) -> Record:
+        """The JSON record."""
+        head = {"schema": SCHEMA, "scene": self.system.name, "states": list(self.system.states)}
+        about = with_exact({"at": self.system.check.equilibrium, "radius": self.system.check.radius})
+        stretches = [
+            {"from": self._stated(part.start), "to": self._stated(part.end), "kind": str(part.kind)}
+            for part in self.found.stretches
+        ]
+        left = [[floats((x.lower(), x.upper())) for x in box] for box in self.found.left]
+        return {**head, **about, "places": self.rows(), "stretches": stretches, "left": left}
+
+    def _stated(self, displacement: Sequence[Any]) -> list[float]:
+        """A displacement as a place."""
+        return [float(a + c) for a, c in zip(displacement, self.system.check.equilibrium, strict=True)]
+
+    def table(self) -> DataTable:
+        """A line for each place."""
+        lines = []
+        for own, (stability, by) in zip(self.found.places, self.verdicts, strict=True):
+            exact = None if own.exact is None else exact_place(own.exact)
+            error = max(float(x.rad()) for x in own.place)
+            what = own.shape or None
+            numbers = [float(x) for x in own.place]
+            on = "; ".join(own.surfaces) or None
+            lines.append((*numbers, error, exact, str(own.kind), on, what, str(stability), by or None))
+        names = ("error", "exact", "where", "surfaces", "shape", "stability", "by")
+        return DataTable((*self.system.states, *names), lines)
+
+    def blocks(self) -> Sequence[Block]:
+        """The places, stretches, and what is left."""
+        return [*sentences(self._head()), *self._tables(), *sentences(*self._open())]
+
+    def _head(self) -> str:
+        return f"{one_line(self.system.name)}: plain switched system in {', '.join(self.system.states)}"
+
+    def _tables(self) -> list[Block]:
+        rows = [
+            (_place(own), " ".join(filter(None, (own.shape, _where(own)))), f"{stability}", by)
+            for own, (stability, by) in zip(self.found.places, self.verdicts, strict=True)
+        ]
+        blocks: list[Block] = [table(("place of rest", "what", "stability", "by"), rows)] if rows else []
+        parts = [
+            (place_text(self._stated(part.start), 6), place_text(self._stated(part.end), 6), STRETCHES[part.kind])
+            for part in self.found.stretches
+        ]
+        return [*blocks, table(("from", "to", "border"), parts)] if parts else blocks
+
+    def _open(self) -> list[str]:
+        """How much is known to be all."""
+        half = float(self.system.check.radius)
+        square = f"within {half:.6g} of {place_text(self.system.check.place)} in each state"
+        if not self.found.left:
+            said = "No other place rests" if self.found.places or self.found.stretches else "No place rests"
+            return [f"{said} {square}."]
+        first = self.found.left[0]
+        near = place_text([float(x) for x in first], 4)
+        return [f"Not known {square}: what rests in {len(self.found.left)} small boxes, one of them about {near}."]
+
+    def summary(self) -> str:
+        """How many places."""
+        count, stretches, left = map(len, (self.found.places, self.found.stretches, self.found.left))
+        said = [f"{count} place{'s' * (count != 1)} of rest"]
+        said += [f"{stretches} stretch{'es' * (stretches != 1)}"] * bool(stretches)
+        return ", ".join([*said, *[f"{left} boxes left open"] * bool(left)])
+
+    @property
+    def exit_status(self) -> int:
+        """0, or 3 where boxes are left."""
+        return 3 if self.found.left else 0
+
+    def draw(self, ax: Axes) -> None:
+        """The places over the field.
+
+        Raises:
+            TypeError: for more than two states.
+        """
+        if not self.system.is_planar:
+            raise TypeError("required two states, to draw places of rest")
+        from nonsmooth.reports.checks.phase_portrait import PhasePortrait
+
+        PhasePortrait(self.system).draw_field(ax)
+        centre = self.system.check.place
+        for axis, middle in zip((ax.xaxis, ax.yaxis), centre, strict=True):  # the field is drawn from the checked point
+            axis.set_major_formatter(partial(_moved, middle))
+        for part in self.found.stretches:
+            ends = [[float(end[k]) for end in (part.start, part.end)] for k in (0, 1)]
+            ax.plot(*ends, color="black", linewidth=4, solid_capstyle="round", zorder=5)
+        shown = set[Translation]()
+        for own, (stability, _) in zip(self.found.places, self.verdicts, strict=True):
+            x, y = (float(a) - c for a, c in zip(own.place, centre, strict=True))
+            style = {**MARKERS[stability], "label": "_"} if stability in shown else MARKERS[stability]
+            ax.plot([x], [y], **style, linestyle="none", zorder=6)
+            shown.add(stability)
+
+    def figure(self) -> Figure:
+        """The picture with a legend."""
+        from nonsmooth.reports.figures.style import legend_below, new_figure, title_figure
+
+        figure = new_figure(SIZE, SIZE * 1.12)
+        self.draw(figure.add_subplot())
+        legend_below(figure, columns=3, fontsize="small")
+        title_figure(figure, f"{one_line(self.system.name)}: {self.summary()}")
+        return figure
+
+
+def _moved(middle: float, value: float, _: int | None) -> str:
+    """The label of a displacement, as a coordinate."""
+    return f"{middle + value:.4g}"
+
+
+def _place(own: RestPlace) -> str:
+    """Coordinates, exact where they are simple."""
+    if own.exact is not None:
+        return exact_place(own.exact)
+    return place_text([float(x) for x in own.place], 9)
+
+
+def _where(own: RestPlace) -> str:
+    return f"{own.kind}{': ' * bool(own.surfaces)}{', '.join(own.surfaces)}"
+
+
+class Equilibria(SceneStudy[Options]):
+    """All places of rest of a plain system."""
+
+    options = Options
+    files = "Write them: .csv, .json, .parquet, or of two states a picture, .svg, .png or .pdf."
+
+    def refuse(self, asked: StudyRequest[Options], path: Path | None) -> None:
+        """Refuse arrays, whose places of rest a check lists."""
+        if asked.kind is not SceneKind.SYSTEM:
+            raise RefusedError(
+                f"{asked.scene.source}: required a plain system, received another scene; of arrays check lists other "
+                "places of rest, and check --at auto chooses one"
+            )
+
+    def run(self, scene: Any, options: Options) -> Result:
+        """Find them."""
+        with refusals_named(scene):
+            found = rest_places(scene)
+        verdicts = []
+        for number, own in enumerate(found.places):
+            with part_of(number, len(found.places), "places"):
+                verdicts.append(_verdict(scene, own))
+        return EquilibriaResult(scene, found, tuple(verdicts))
+
+
+def _verdict(system: SwitchedSystem, own: RestPlace) -> tuple[Translation, str]:
+    """The stability of a place, and what decides it."""
+    if own.stability is not Translation.UNDECIDED:
+        return own.stability, LINEARIZED
+    moved = at_place(system, own)
+    if moved is None:
+        return Translation.UNDECIDED, ""
+    try:
+        result = decide_system(moved)
+    except SceneError:
+        return Translation.UNDECIDED, ""
+    return result.verdict, str(result.method)
+
+
+EQUILIBRIA = Equilibria()
