@@ -26,7 +26,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
+from functools import partial
 from itertools import combinations, product
+from math import prod
 from typing import TypeAlias
 
 import numpy as np
@@ -65,6 +67,8 @@ MOST_STATES = 4
 MOST_BOXES = 4_000  # that are looked at for the zeros of one set of equations
 SPLIT = 1 / 2 + 2.0**-5  # of a side: a zero in the middle is on no border of boxes then
 WIDER = 1 + 2.0**-3  # than a box is the one in which a zero is shown, so that one on its border is
+LEAST = 2.0**-40  # of the cube: by so much it is wider in any case
+MOST_SLENDER = 8  # the longest side over the shortest one
 FINEST = 2.0**-20  # of the cube: smaller boxes are left
 CLUSTER = 2.0**-10  # of the cube: in a smaller cluster of boxes that are left one place may rest
 ENDS = 2.0**-18  # of the cube: as near to the end of a stretch nothing is told apart from that
@@ -218,6 +222,26 @@ def _sliding_equations(first: _BallField, second: _BallField, surface: BallPolyn
     return at
 
 
+def _on_border(around: Sequence[_BallField], surface: BallPolynomials, box: Box) -> Box | None:
+    """The part of a box of x and l in which all zeros are: a coordinate on ``s = 0``, and l by the speeds across it."""
+    *x, share = box
+    _, *normal = map(arb, surface(x))
+    k = max(range(len(x)), key=lambda j: abs(float(normal[j].mid())))
+    if not normal[k].contains(0):
+        middle = [*x[:k], arb(x[k].mid()), *x[k + 1 :]]
+        at_zero = middle[k] - arb(surface(middle)[0]) / normal[k]
+        if not at_zero.overlaps(x[k]):
+            return None
+        x[k] = x[k].intersection(at_zero)
+    first, second = (_dot(normal, own.at(x)[0]) for own in around)
+    if not (second - first).contains(0):
+        needed = second / (second - first)
+        if not needed.overlaps(share):
+            return None
+        share = share.intersection(needed)
+    return [*x, share]
+
+
 def _corner_equations(first: BallPolynomials, second: BallPolynomials) -> Map:
     """``s = t = 0``."""
 
@@ -240,52 +264,71 @@ class _Zeros:
     left: list[Box] = field(default_factory=list)
 
 
-def _zeros(equations: Map, guards: Guards, box: Box) -> _Zeros:
-    """All zeros in a box on which no guard is negative."""
+def _zeros(equations: Map, guards: Guards, box: Box, narrow: Callable[[Box], Box | None]) -> _Zeros:
+    """All zeros in a box on which no guard is negative.
+
+    Args:
+        equations: the map.
+        guards: the guards.
+        box: the box.
+        narrow: a part of a box that holds all its zeros; None where there are none.
+    """
     result, waiting, looked = _Zeros(), deque([box]), 0
     sizes = [float(side.rad()) or 1.0 for side in box]
     while waiting:
-        own, looked = waiting.popleft(), looked + 1  # the largest first
-        if any(bool(guard(own) < 0) for guard in guards):
+        whole, looked = waiting.popleft(), looked + 1  # the largest first
+        part = None if any(bool(guard(whole) < 0) for guard in guards) else narrow(whole)
+        if part is None:
             continue
-        wide = [side.mid() + side.rad() * WIDER * UNIT for side in own]
-        state = _isolated(equations, wide)
-        if state is None:
+        own = _narrowed(whole, part, sizes)
+        wide = [a.mid() + (a.rad() * WIDER + size * LEAST) * UNIT for a, size in zip(own, sizes, strict=True)]
+        image, is_inside = _image(equations, wide)
+        if not all(a.overlaps(b) for a, b in zip(image, own, strict=True)):
             continue
-        if isinstance(state, list):
-            _keep(result, state, wide, own)
-        elif looked > MOST_BOXES or max(float(s.rad()) / size for s, size in zip(own, sizes, strict=True)) < FINEST:
+        if is_inside:
+            _keep(result, _refined(equations, image, wide), wide, own)
+            continue
+        if looked > MOST_BOXES or max(float(a.rad()) / size for a, size in zip(own, sizes, strict=True)) < FINEST:
             result.left.append(own)
-        else:
-            waiting += _halves(own, sizes)
+            continue
+        rest = _narrowed(own, image, sizes)
+        shrinks = prod(float(a.rad()) / (float(b.rad()) or 1.0) for a, b in zip(rest, whole, strict=True))
+        waiting += [rest] if shrinks < 1 / 4 else _halves(rest, sizes)
     return result
 
 
-def _isolated(equations: Map, box: Box) -> Box | bool | None:
-    """The only zero in a box; None where there is none, and false where neither is shown."""
+def _narrowed(box: Box, image: Box, sizes: Sequence[float]) -> Box:
+    """The part of a box in which all its zeros are, but not much narrower in one direction than in others."""
+    rest = [a.intersection(b) for a, b in zip(image, box, strict=True)]
+    least = max(float(a.rad()) / size for a, size in zip(rest, sizes, strict=True)) / MOST_SLENDER
+    wide = [a.union(a.mid() + least * size * UNIT) for a, size in zip(rest, sizes, strict=True)]
+    return [a.intersection(b) for a, b in zip(wide, box, strict=True)]
+
+
+def _image(equations: Map, box: Box) -> tuple[Box, bool]:
+    """Where all zeros of a box are, and whether there is one, no more; nowhere in it, if it holds none."""
     column = arb_mat([[side] for side in box])
     middle = arb_mat([[arb(side.mid())] for side in box])
     over, here = equations(column), equations(middle)
     if over is None or here is None:
-        return False
+        return box, False
     nearer = here[0] + over[1] * (column - middle)
     if any(not a.contains(0) or not b.contains(0) for a, b in zip(over[0].entries(), nearer.entries(), strict=True)):
-        return None
+        return [side.upper() + 1 for side in box], False
     inverse = approximate_inverse(over[1])
     if inverse is None:
-        return False
+        return box, False
     image = krawczyk(middle, here[0], inverse, over[1], column)
-    if any(not a.overlaps(b) for a, b in zip(image.entries(), box, strict=True)):
-        return None
-    return _refined(equations, image) if lies_inside(image, column) else False
+    return list(image.entries()), lies_inside(image, column)
 
 
-def _refined(equations: Map, image: arb_mat) -> Box:
+def _refined(equations: Map, image: Box, region: Box) -> Box:
     """A smaller box about the one zero in a box."""
-    centre = newton(equations, image.mid(), NEWTON_STEPS)
+    centre = newton(equations, arb_mat([[side.mid()] for side in image]), NEWTON_STEPS)
     found = None if centre is None else isolated_zero(equations, centre)
-    is_that = found is not None and all(a.contains(b) for a, b in zip(image.entries(), found.entries(), strict=True))
-    return list((found if is_that else image).entries())  # type: ignore[union-attr]
+    if found is None or not all(a.contains(b) for a, b in zip(region, found.entries(), strict=True)):
+        return image
+    return [a.intersection(b) for a, b in zip(image, found.entries(), strict=True)]
 
 
 def _keep(result: _Zeros, zero: Box, region: Box, box: Box) -> None:
@@ -384,7 +427,8 @@ class _Search:
                 box = [*box, (1 + UNIT) / 2]
             else:
                 equations = _corner_equations(*(self._with_slopes[k] for k in chosen))
-            zeros = _zeros(equations, guards, box)
+            narrow = partial(_on_border, around, self._with_slopes[chosen[0]]) if len(chosen) == 1 else list
+            zeros = _zeros(equations, guards, box, narrow)
             self.left += [self.stated(own[: self.count]) for own in zeros.left]
             for zero in zeros.found:
                 self._note(chosen, signs, around, zero)
