@@ -21,11 +21,10 @@ from enum import StrEnum
 import numpy as np
 
 from nonsmooth.analysis.bodies.mass_path import MassPath
-from nonsmooth.analysis.bodies.mass_study import BROKEN_OFF
 from nonsmooth.analysis.bodies.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.bodies.supports import carried_contacts
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
-from nonsmooth.analysis.trajectories.result import UNFINISHED, EndReason
+from nonsmooth.analysis.trajectories.result import BROKEN_OFF, UNFINISHED, EndReason
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Pose
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, norms

@@ -37,8 +37,9 @@ from nonsmooth.reports.output.prose import paragraph, prose
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import is_paper_array, law_of_section_3_3
 from nonsmooth.reports.sections.feedback import law_formulas, region_blocks
+from nonsmooth.reports.simulations.closed_paths import follow_loop
 from nonsmooth.reports.simulations.path_ends import pose_text, shown_angle
-from nonsmooth.reports.simulations.paths import ArrayPath, follow_cells
+from nonsmooth.reports.simulations.paths import ArrayPath
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions, unit_of_typed_angles
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import AngleUnit, Units
@@ -325,7 +326,7 @@ def _followed(subject: ArraySubject, loop: FeedbackLoop, start: Pose) -> Followe
     """The path to the first of the times at which the body is as good as home."""
     for until in TIMES:
         options = SimulateOptions(start=start, until=until, feedback=True)
-        path = FollowedStart(start, follow_cells(subject.cells.partition, options, loop), until)
+        path = FollowedStart(start, follow_loop(subject.cells.partition, options, loop), until)
         if path.path.end.reason is not EndReason.TIME or _is_home(loop, path):
             break
     return path
