@@ -50,7 +50,7 @@ def render_html(document: Document) -> str:
     environment.globals |= {"page": page, "style": _markup(template_part("report.css"))}
     environment.globals |= {
         "script": _markup(template_part("report.js")),
-        "script_hash": _hash(template_part("report.js")),
+        "script_hash": script_hash(template_part("report.js")),
     }
     return environment.from_string(template_part("report.html.j2")).render(document=document) + "\n"
 
@@ -176,7 +176,8 @@ def _markup(text: str) -> Markup:
     return Markup(text)
 
 
-def _hash(script: str) -> str:
+def script_hash(script: str) -> str:
+    """By which a page allows its own script and no other."""
     return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
 
 
