@@ -45,7 +45,6 @@ from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import Pose
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,6 +53,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.fields.sign_field import SignField
     from nonsmooth.reports.animation.film import Film
     from nonsmooth.reports.figures.path import PathPicture
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SCHEMA = "nonsmooth-trajectory/1"
 SHOWN = 12  # events listed on a terminal
