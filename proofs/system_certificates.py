@@ -31,12 +31,7 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
 from nonsmooth.proofs.kernel.homogeneity import Homogeneity
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
-from nonsmooth.proofs.kernel.subject import (
-    NoCertificateError,
-    about,
-    exact_text,
-    subjects_of,
-)
+from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text, subjects_of
 from nonsmooth.proofs.many_states.reshaped_region import find_reshaped_region
 from nonsmooth.proofs.parts import Parts
 from nonsmooth.proofs.system_facts import (

@@ -27,15 +27,7 @@ from flint import fmpq
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
-from nonsmooth.analysis.cells.outline import (
-    ROUNDED,
-    Filtered,
-    Form,
-    Three,
-    known_sign,
-    size_of,
-    whole_numbers,
-)
+from nonsmooth.analysis.cells.outline import ROUNDED, Filtered, Form, Three, known_sign, size_of, whole_numbers
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.contact_states import (
     Row,

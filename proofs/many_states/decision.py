@@ -43,24 +43,11 @@ from nonsmooth.proofs.kernel.cells import (
 from nonsmooth.proofs.kernel.first_terms import axis_factor, common_jacobian
 from nonsmooth.proofs.kernel.written import rational_slopes, slopes
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
-from nonsmooth.proofs.many_states.lyapunov_search import (
-    LARGE,
-    SCALES,
-    find_lyapunov,
-    high_degree_relay,
-)
+from nonsmooth.proofs.many_states.lyapunov_search import LARGE, SCALES, find_lyapunov, high_degree_relay
 from nonsmooth.proofs.sums_of_squares.conic_program import is_definite, simplest
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, Staying
-from nonsmooth.proofs.systems.findings import (
-    KEPT,
-    NOT_ATTRACTING,
-    CheckedPoint,
-    Finding,
-    Method,
-    Reach,
-    weak_finding,
-)
+from nonsmooth.proofs.systems.findings import KEPT, NOT_ATTRACTING, CheckedPoint, Finding, Method, Reach, weak_finding
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number

@@ -30,15 +30,7 @@ from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own, shared_
 from nonsmooth.proofs.kernel.cells import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, Staying, attraction, examine
 from nonsmooth.proofs.systems.domain import Domain, domains, given_cells, plane_cells
-from nonsmooth.proofs.systems.findings import (
-    KEPT,
-    CheckedPoint,
-    Finding,
-    Method,
-    PlaneFunction,
-    Reach,
-    weak_finding,
-)
+from nonsmooth.proofs.systems.findings import KEPT, CheckedPoint, Finding, Method, PlaneFunction, Reach, weak_finding
 from nonsmooth.proofs.systems.ray_moves import (
     UNWEIGHTED,
     ConstantFan,

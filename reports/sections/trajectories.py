@@ -23,13 +23,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.findings import Feedback
 from nonsmooth.reports.checks.subject import ArraySubject
-from nonsmooth.reports.figures.path import (
-    cells_picture,
-    centre_picture,
-    path_figure,
-    start_mark,
-    starts_figure,
-)
+from nonsmooth.reports.figures.path import cells_picture, centre_picture, path_figure, start_mark, starts_figure
 from nonsmooth.reports.figures.style import drawn
 from nonsmooth.reports.laws.feedback_loop import GAIN, FeedbackLoop, build_loop, certified_law
 from nonsmooth.reports.output.document import Block, Code, Entry, Figure, Frame, Math, Section, decimal, table

@@ -55,12 +55,7 @@ from nonsmooth.proofs.clauses.feedback.control_fields import (
     side_friction_rules,
     sum_of_squares,
 )
-from nonsmooth.proofs.clauses.feedback.driven_law import (
-    LawCone,
-    best_three,
-    certified_gain,
-    in_scene,
-)
+from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, best_three, certified_gain, in_scene
 from nonsmooth.proofs.clauses.feedback.rational_bounds import ball_of
 from nonsmooth.proofs.clauses.feedback.twist_candidates import (
     BoxTwist,
