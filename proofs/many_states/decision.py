@@ -47,7 +47,16 @@ from nonsmooth.proofs.many_states.lyapunov_search import LARGE, SCALES, find_lya
 from nonsmooth.proofs.sums_of_squares.conic_program import is_definite, simplest
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, Staying
-from nonsmooth.proofs.systems.findings import KEPT, NOT_ATTRACTING, CheckedPoint, Finding, Method, Reach, weak_finding
+from nonsmooth.proofs.systems.findings import (
+    KEPT,
+    NOT_ATTRACTING,
+    CheckedPoint,
+    Finding,
+    Method,
+    Reach,
+    falling_finding,
+    weak_finding,
+)
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
@@ -451,7 +460,7 @@ def conclude_function(point: SpacePoint, function: ExaminedLyapunov) -> Finding 
     """What a V shows beside what is known; None where its conditions are not shown."""
     standing = point.known.standing
     if function.decrease is Decrease.STRICT:
-        return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
+        return falling_finding(function)
     if function.decrease is not Decrease.WEAK:
         return None
     if standing is not None and not standing.is_weak:

@@ -30,7 +30,16 @@ from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own, shared_
 from nonsmooth.proofs.kernel.cells import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, Staying, attraction, examine
 from nonsmooth.proofs.systems.domain import Domain, domains, given_cells, plane_cells
-from nonsmooth.proofs.systems.findings import KEPT, CheckedPoint, Finding, Method, PlaneFunction, Reach, weak_finding
+from nonsmooth.proofs.systems.findings import (
+    KEPT,
+    CheckedPoint,
+    Finding,
+    Method,
+    PlaneFunction,
+    Reach,
+    falling_finding,
+    weak_finding,
+)
 from nonsmooth.proofs.systems.ray_moves import (
     UNWEIGHTED,
     ConstantFan,
@@ -254,7 +263,7 @@ def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | N
             return None
         return Finding(Method.GROWTH, Translation.UNSTABLE, "a positive V grows along every solution", function)
     if function.decrease is Decrease.STRICT:
-        return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
+        return falling_finding(function)
     if function.decrease is not Decrease.WEAK or not point.is_covered_within(function.domain.radius):
         return None
     rest = next(map(str, point.rays), "")
