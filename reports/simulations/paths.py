@@ -53,6 +53,8 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.fields.sign_field import SignField
     from nonsmooth.reports.animation.film import Film
     from nonsmooth.reports.figures.path import PathPicture
+    from nonsmooth.reports.laws.driven_loop import DrivenLoop
+    from nonsmooth.reports.laws.feedback_loop import FeedbackLoop
     from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SCHEMA = "nonsmooth-trajectory/1"
@@ -72,11 +74,13 @@ class PathResult(Result):
         trajectory: samples, events, pieces, end, and whether the solution is unique.
         scene: the array; None for systems.
         partition: the cells it goes through; None for systems and rules without cells.
+        loop: the closed loop, where a law sets the speeds.
     """
 
     trajectory: Trajectory
     scene: Scene | None
     partition: Partition | None
+    loop: FeedbackLoop | DrivenLoop | None = None
 
     @property
     @abstractmethod
