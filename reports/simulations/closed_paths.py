@@ -127,7 +127,9 @@ def follow_closed(scene: Scene, options: SimulateOptions, law: LawName) -> Close
         TrajectoryError: where the path cannot be followed.
         ContradictionError: for a path that contradicts the verdict about its law.
     """
-    return (_through_cells if rule_of(scene).keeps_rows else _under_imposed_twists)(scene, options, law)
+    if rule_of(scene).keeps_rows:
+        return _through_cells(scene, options, law)
+    return _under_imposed_twists(scene, options, law)
 
 
 # ---- through cells -------------------------------------------------------------------------------
