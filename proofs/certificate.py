@@ -25,7 +25,7 @@ from typing import Any, Protocol, TypeAlias
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import contact_rule, rule_of
 from nonsmooth.analysis.cells.loads import load_regions
-from nonsmooth.analysis.cells.partition import Cell, Partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.checker.statements import VERSION, show_entry
 from nonsmooth.proofs.checker.theorem4 import CLAUSES
@@ -456,16 +456,11 @@ def _cells(partition: Partition, chains: list[list[int]]) -> list[Record]:
     return [
         {
             "polygon": chain,
-            "wheels": _wheels_by_distance(cell) if partition.rule == "nearest" else wheels,
+            "wheels": list(cell.wheels) if partition.rule == "nearest" else wheels,
             "twists": [state.twist for state in cell.states],
         }
         for cell, chain, wheels in zip(partition.cells, chains, acting, strict=True)
     ]
-
-
-def _wheels_by_distance(cell: Cell) -> list[int]:
-    """The wheels whose rows are taken in a cell of rule ``nearest``."""
-    return list(dict.fromkeys(row.wheel.index for row in cell.states[0].rows))
 
 
 def _loaded_wheels(partition: Partition) -> list[list[int] | None]:

@@ -29,13 +29,7 @@ from nonsmooth.proofs.kernel.bases import functions_on
 from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, rational, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import Collected, Functions, Search, decide_claim, directed_hypotheses
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, with_values
-from nonsmooth.proofs.kernel.subject import (
-    NoCertificateError,
-    about,
-    exact_text,
-    formula_in_names,
-    subjects_of,
-)
+from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text, formula_in_names, subjects_of
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.domain import (

@@ -32,6 +32,7 @@ from nonsmooth.proofs.systems.findings import (
     Finding,
     Method,
     PlaneFunction,
+    falling_finding,
     weak_finding,
 )
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
@@ -134,14 +135,8 @@ def decide_by_squares(point: CheckedPoint) -> Finding | None:
     stated = space.examine(point.system.check.lyapunov, point.system.check.radius, Effort.STRICT)
     for found in (stated, find_lyapunov(space.system)):
         if found is not None and found.decrease is Decrease.STRICT:
-            return _falling(point, found)
+            return falling_finding(_of_point(point, found))
     return None
-
-
-def _falling(point: CheckedPoint, found: ExaminedLyapunov) -> Finding:
-    """What a V shows that falls along every solution."""
-    function = _of_point(point, found)
-    return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
 
 
 def decide_by_quotient(point: CheckedPoint) -> Finding | None:
@@ -173,7 +168,7 @@ def decide_by_kept_energy(point: CheckedPoint) -> Finding | None:
         formula, within = parse_piecewise(hypotheses["function"], point.system.states), hypotheses["cells"]["within"]
         examined = space.examine(formula, point.system.field(Fraction(within)), Effort.STRICT)
         if examined is not None and examined.decrease is Decrease.STRICT:
-            return _falling(point, examined)
+            return falling_finding(_of_point(point, examined))
     return _of_entry(point, found and found[0])
 
 
@@ -423,7 +418,7 @@ def decide_linear(point: CheckedPoint) -> Finding | None:
     for own in () if matrix is None else short_forms(matrix):
         function = _examined(point, parse_piecewise(quadratic_text(own.tolist(), system.states), system.states))
         if function is not None and function.decrease is Decrease.STRICT:
-            return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
+            return falling_finding(function)
     return None
 
 

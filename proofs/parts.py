@@ -16,7 +16,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative, var
 from nonsmooth.proofs.kernel.cells import SignCells, adjoining, stated_cells
 from nonsmooth.proofs.kernel.written import formula_text
 from nonsmooth.proofs.systems.findings import DecidedSystem
-from nonsmooth.symbolic.files.system_builder import part_of, stated_lists
+from nonsmooth.symbolic.files.system_builder import part_of
 from nonsmooth.symbolic.files.system_document import with_parameters
 from nonsmooth.symbolic.formulas.trees import formula_tree, tidied, written
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -119,7 +119,7 @@ def drivers_of(system: SwitchedSystem, *, jumping: bool = False) -> dict[str, se
 
 def _trees(system: SwitchedSystem) -> Iterator[tuple[str, ast.expr]]:
     """The right-hand sides with the names of their states."""
-    for formulas in stated_lists(system):
+    for formulas in system.stated_lists:
         for name, text in zip(system.stated_states, formulas, strict=True):
             yield name, formula_tree(text)
 

@@ -31,12 +31,7 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
 from nonsmooth.proofs.kernel.homogeneity import Homogeneity
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
-from nonsmooth.proofs.kernel.subject import (
-    NoCertificateError,
-    about,
-    exact_text,
-    subjects_of,
-)
+from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text, subjects_of
 from nonsmooth.proofs.many_states.reshaped_region import find_reshaped_region
 from nonsmooth.proofs.parts import Parts
 from nonsmooth.proofs.system_facts import (
@@ -55,7 +50,7 @@ from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, M
 from nonsmooth.proofs.systems.scalar_stability import distance_hypotheses
 from nonsmooth.proofs.theorem_searches import scalar_theorem, show_verdict
 from nonsmooth.proofs.verified import verified
-from nonsmooth.symbolic.files.system_builder import stated_lists, with_order
+from nonsmooth.symbolic.files.system_builder import with_order
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.systems.switched_system import (
     MOST_ORDER,
@@ -653,7 +648,7 @@ def _of_others_alone(certificate: Record, system: SwitchedSystem) -> str:
     statement = certificate["statement"]
     if system.rewriting.scale is not None and any({"rate", "gain"} & set(claim) for claim in statement["claims"]):
         return "rates of right-hand sides without fractions"
-    encloses = len(statement["subject"]["rhs"]) > len(stated_lists(system))
+    encloses = len(statement["subject"]["rhs"]) > len(system.stated_lists)
     if encloses and {"stability": "unstable"} in statement["claims"] and _follows_one(certificate["evidence"]):
         return "one solution of right-hand sides that enclose the stated ones"
     return ""

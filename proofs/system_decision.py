@@ -286,7 +286,6 @@ def _blocks(point: CheckedPoint, *, jumping: bool) -> list[CascadeBlock]:
 def _decided_by_blocks(point: CheckedPoint, blocks: Sequence[CascadeBlock]) -> Finding | None:
     """What several blocks say of the whole."""
     from nonsmooth.proofs.parts import Parts
-    from nonsmooth.symbolic.files.system_builder import stated_lists
 
     if len(blocks) < 2:
         return None
@@ -298,7 +297,7 @@ def _decided_by_blocks(point: CheckedPoint, blocks: Sequence[CascadeBlock]) -> F
         found.append(_decided_part(block.system))
         if found[-1].verdict is Translation.UNSTABLE and not block.is_driven:
             return Finding(Method.STATES, Translation.UNSTABLE, _said(block, found[-1]), proofs=Parts((found[-1],)))
-        if found[-1].verdict is Translation.UNSTABLE and len(stated_lists(point.system)) == 1:
+        if found[-1].verdict is Translation.UNSTABLE and len(point.system.stated_lists) == 1:
             said, parts = _said(block, found[-1]), _parts(blocks, found)
             return _if_accepted(point, Finding(Method.CASCADE, Translation.UNSTABLE, said, proofs=parts))
         is_open |= found[-1].exit_status != 0

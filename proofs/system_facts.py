@@ -23,13 +23,7 @@ from nonsmooth.proofs.systems.domain import (
     cube_text,
     disturbance_letter,
 )
-from nonsmooth.proofs.systems.findings import (
-    DERIVATIVES,
-    DecidedSystem,
-    ExaminedFunction,
-    Method,
-    Reach,
-)
+from nonsmooth.proofs.systems.findings import DERIVATIVES, DecidedSystem, ExaminedFunction, Method, Reach
 from nonsmooth.symbolic.formulas.enclosed_functions import kinds_text
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
 from nonsmooth.symbolic.messages.scene_error import one_line

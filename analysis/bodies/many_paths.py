@@ -671,13 +671,11 @@ def _at_rest(ends: BodyEnds, starts: Indices) -> PathEnd:
     first = poses[0, 2]
     headings = np.sort(first + turned_heading(poses[:, 2] - first))
     x, y = poses[:, :2].mean(axis=0)
-    turn = float(
-        turned_heading(headings[len(headings) // 2 : len(headings) // 2 + 1])[0] - headings[len(headings) // 2]
-    )
-    headings = headings + turn
-    middle = (float(x), float(y), float(headings[len(headings) // 2]))
-    share = len(starts) / len(ends.starts)
-    return PathEnd(BodyEnd.REST, starts, share, middle, (float(headings[0]), float(headings[-1])))
+    middle = headings[len(headings) // 2]
+    turn = turned_heading(middle) - middle
+    pose = (float(x), float(y), float(middle + turn))
+    outermost = (float(headings[0] + turn), float(headings[-1] + turn))
+    return PathEnd(BodyEnd.REST, starts, len(starts) / len(ends.starts), pose, outermost)
 
 
 def _linked(places: Floats, distance: float) -> list[Indices]:

@@ -40,7 +40,7 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import contact_model, contacts_under
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, Order, Study, StudyPlan, Trial
-from nonsmooth.analysis.trajectories.result import UNFINISHED, EndReason, EventKind, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import BROKEN_OFF, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -51,7 +51,6 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norms
 
 COMPARED = 1001  # times at which two paths are compared, both ends included
 LADDER = 5  # masses of a ladder, each a tenth of the one before
-BROKEN_OFF = UNFINISHED | {EndReason.OUTSIDE, EndReason.TIPS, EndReason.LOADS}
 
 
 @dataclass(frozen=True)

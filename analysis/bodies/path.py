@@ -48,15 +48,7 @@ from nonsmooth.analysis.trajectories.follow import (
     first_event,
     follow,
 )
-from nonsmooth.analysis.trajectories.result import (
-    End,
-    EndReason,
-    Event,
-    EventKind,
-    Piece,
-    Trajectory,
-    TrajectoryError,
-)
+from nonsmooth.analysis.trajectories.result import End, EndReason, Event, EventKind, Piece, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.steppers import Dop853, Integrator
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene

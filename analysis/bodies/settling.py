@@ -17,18 +17,19 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.mass_path import MassPath
-from nonsmooth.analysis.bodies.mass_study import BROKEN_OFF
-from nonsmooth.analysis.bodies.newton_euler import DynamicPath, RigidBody
-from nonsmooth.analysis.bodies.supports import carried_contacts
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
-from nonsmooth.analysis.trajectories.result import UNFINISHED, EndReason
+from nonsmooth.analysis.trajectories.result import BROKEN_OFF, UNFINISHED, EndReason
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Pose
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, norms
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.bodies.mass_path import MassPath
+    from nonsmooth.analysis.bodies.newton_euler import DynamicPath, RigidBody
 
 # Tolerances beside those of a path that is shown; still larger ones take more steps where bodies are light.
 COARSER = 1e3
@@ -132,6 +133,9 @@ def _is_steady(size: float, before: float) -> bool:
 
 def _follower(scene: Scene, body: RigidBody) -> MassPath:
     """Under the friction forces of the scene's own rule, which has to be one without cells."""
+    from nonsmooth.analysis.bodies.mass_path import MassPath  # words about an end need none
+    from nonsmooth.analysis.bodies.supports import carried_contacts
+
     contacts, outlined = carried_contacts(smooth_rule_of(scene), scene)
     return MassPath(contacts, body, outlined, COARSER, LONGEST)
 

@@ -27,15 +27,7 @@ from flint import fmpq
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
-from nonsmooth.analysis.cells.outline import (
-    ROUNDED,
-    Filtered,
-    Form,
-    Three,
-    known_sign,
-    size_of,
-    whole_numbers,
-)
+from nonsmooth.analysis.cells.outline import ROUNDED, Filtered, Form, Three, known_sign, size_of, whole_numbers
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.contact_states import (
     Row,
@@ -200,8 +192,7 @@ class RowLines:
         normals = self.whole_normals.take(pairs, 0)
         if len(pairs) <= FEW:
             return [_way(*pair) for pair in normals.tolist()]
-        (a, b, c), (x, y, z) = normals.transpose(1, 2, 0)
-        along = np.stack((b * z - c * y, c * x - a * z, a * y - b * x))
+        along = np.stack(cross_product(*normals.transpose(1, 2, 0)))
         leading = np.where(along[0] != 0, along[0], np.where(along[1] != 0, along[1], along[2]))
         factors = np.gcd.reduce(along) * np.sign(leading)
         p, q, r = (along // np.where(factors == 0, 1, factors)).tolist()
@@ -498,10 +489,9 @@ def _is_always_zero(number: Number) -> bool:
     return type(number) is Number and not number
 
 
-def _way(first: Sequence[int], second: Sequence[int]) -> Three:
+def _way(first: Three, second: Three) -> Three:
     """The cross product without a common factor, its first entry that is not zero positive."""
-    (a, b, c), (x, y, z) = first, second
-    along = b * z - c * y, c * x - a * z, a * y - b * x
+    along = cross_product(first, second)
     factor = math.gcd(*along) or 1
     if along < (0, 0, 0):
         factor = -factor

@@ -17,14 +17,7 @@ from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, carried_loads
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
-from nonsmooth.symbolic.numbers.plane_arrays import (
-    Floats,
-    Indices,
-    Mask,
-    finite_rows,
-    norms,
-    polygon_sides,
-)
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, finite_rows, norms, polygon_sides
 
 ON_HULL = 1e-12  # for orthonormal columns: a point closer to the support polygon counts as on it
 THIN = 1e-10  # ratio of the array's two widths below which wheels count as collinear

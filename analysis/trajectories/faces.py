@@ -19,12 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nonsmooth.analysis.fields.convex_weights import (
-    central_weights,
-    extreme_mixtures,
-    least_mix,
-    shortest_mixture,
-)
+from nonsmooth.analysis.fields.convex_weights import central_weights, extreme_mixtures, least_mix, shortest_mixture
 from nonsmooth.analysis.fields.float_code import Numbers
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, ScalarVelocity, Velocity, length
 from nonsmooth.analysis.trajectories.result import TrajectoryError

@@ -58,6 +58,7 @@ class EndReason(StrEnum):
 
 
 UNFINISHED = frozenset({EndReason.EVENTS, EndReason.STEPS, EndReason.UNPROVED})  # where the solution goes on
+BROKEN_OFF = UNFINISHED | {EndReason.OUTSIDE, EndReason.TIPS, EndReason.LOADS}  # and where it leaves what is followed
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 from flint import arb
 
 from nonsmooth.analysis.cells.contact_rule import has_cells
-from nonsmooth.proofs.clauses.workspace import ClauseResult
 from nonsmooth.proofs.findings import Certainty, Fact, Quantity, Rotation
 from nonsmooth.symbolic.mechanics.contact_set import contact_set
 from nonsmooth.symbolic.mechanics.contact_states import free_text, free_twists
@@ -30,6 +29,7 @@ from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+    from nonsmooth.proofs.clauses.workspace import ClauseResult
     from nonsmooth.proofs.theorem4 import Theorem4Result
 
 UNDECIDED = "undecided"
@@ -133,7 +133,7 @@ class Answer:
         return 0 if self.verdict in GOOD else 1
 
 
-Results: TypeAlias = Mapping[str, ClauseResult]
+Results: TypeAlias = "Mapping[str, ClauseResult]"
 Question: TypeAlias = Callable[[Scene, Results], Answer]
 
 

@@ -31,23 +31,8 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings import Record, encode
 from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import NEARLY_ALL, CertifiedBasin
-from nonsmooth.proofs.systems.basin_mesh import (
-    Announce,
-    BasinEffort,
-    BuiltMesh,
-    grown_mesh,
-    last_ring,
-    mesh_corners,
-)
-from nonsmooth.proofs.systems.basin_rings import (
-    Bernstein,
-    Pace,
-    area,
-    bernstein,
-    followed_home,
-    inside_ring,
-    sines,
-)
+from nonsmooth.proofs.systems.basin_mesh import Announce, BasinEffort, BuiltMesh, grown_mesh, last_ring, mesh_corners
+from nonsmooth.proofs.systems.basin_rings import Bernstein, Pace, area, bernstein, followed_home, inside_ring, sines
 from nonsmooth.symbolic.mechanics.body import widest_square
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text

@@ -31,7 +31,15 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, in_floats, squared_distance
-from nonsmooth.symbolic.numbers.plane_arrays import finite_rows, max_norm, norm, norms, point_velocities, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    finite_rows,
+    max_norm,
+    norm,
+    norms,
+    point_velocities,
+    unit_vectors,
+    with_neighbours,
+)
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.constant_field import ConstantField
@@ -636,7 +644,7 @@ def _field_beside(scene: Scene) -> _Beside | None:
     from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 
     centred, step = scene.recentred(), STEP * scene.check.half_width
-    points = step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+    points = with_neighbours(step)
     minima = minima_under(rule, centred, points)
     rims = centred.fastest
     if minima.faces or not minima.check().all() or not rims:

@@ -18,12 +18,7 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_poin
 from nonsmooth.proofs.clauses.at_point.every_load import EveryLoadPoint, every_load_point
 from nonsmooth.proofs.findings import Equilibrium
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.rounded import (
-    PLACE_DECIDES,
-    ROUNDING_DECIDES,
-    Rounded,
-    either_way,
-)
+from nonsmooth.symbolic.numbers.rounded import PLACE_DECIDES, ROUNDING_DECIDES, Rounded, either_way
 
 Announce: TypeAlias = Callable[[str], None]  # called with the name of each step before it begins
 Part = TypeVar("Part")

@@ -29,15 +29,7 @@ import numpy as np
 from flint import fmpq
 
 from nonsmooth.analysis.cells.region import Region, Triple, affine
-from nonsmooth.proofs.inequalities.forms import (
-    PLANE,
-    Problem,
-    Question,
-    Sense,
-    build_parts,
-    place_of,
-    triangles,
-)
+from nonsmooth.proofs.inequalities.forms import PLANE, Problem, Question, Sense, build_parts, place_of, triangles
 from nonsmooth.proofs.inequalities.real_roots import (
     Coefficients,
     RealRoot,

@@ -409,14 +409,14 @@ def started(system: SwitchedSystem, search: Search | None = None, *, irrational:
     return subject, search or Search()
 
 
-def build_inclusion(stated: StatedCells, subject: System, search: Search, functions: Sequence[str] = ()) -> Inclusion:
+def build_inclusion(stated: StatedCells, subject: System, search: Search) -> Inclusion:
     """The cells with their fields as the checker builds them.
 
     Raises:
         NotShownError: where it refuses to.
     """
     try:
-        return Inclusion(subject, stated.record, functions, search)
+        return Inclusion(subject, stated.record, (), search)
     except RejectedError as error:
         raise NotShownError(f"required {error}") from None
 

@@ -23,21 +23,8 @@ from nonsmooth.proofs.checker.theorems import STABLE, UNSTABLE
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.inequalities.real_roots import form_lines, lowest_form
-from nonsmooth.proofs.kernel.cells import (
-    StatedCells,
-    build_inclusion,
-    monic,
-    sharpened,
-    started,
-    stated_cells,
-)
-from nonsmooth.proofs.kernel.search import (
-    Entry,
-    NotShownError,
-    Search,
-    directed_hypotheses,
-    stability_hypotheses,
-)
+from nonsmooth.proofs.kernel.cells import StatedCells, build_inclusion, monic, sharpened, started, stated_cells
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, directed_hypotheses, stability_hypotheses
 from nonsmooth.proofs.kernel.written import coefficient_text, part_of, roundings
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number

@@ -43,12 +43,7 @@ from nonsmooth.proofs.kernel.cells import (
 from nonsmooth.proofs.kernel.first_terms import axis_factor, common_jacobian
 from nonsmooth.proofs.kernel.written import rational_slopes, slopes
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
-from nonsmooth.proofs.many_states.lyapunov_search import (
-    LARGE,
-    SCALES,
-    find_lyapunov,
-    high_degree_relay,
-)
+from nonsmooth.proofs.many_states.lyapunov_search import LARGE, SCALES, find_lyapunov, high_degree_relay
 from nonsmooth.proofs.sums_of_squares.conic_program import is_definite, simplest
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, Staying
@@ -59,6 +54,7 @@ from nonsmooth.proofs.systems.findings import (
     Finding,
     Method,
     Reach,
+    falling_finding,
     weak_finding,
 )
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
@@ -464,7 +460,7 @@ def conclude_function(point: SpacePoint, function: ExaminedLyapunov) -> Finding 
     """What a V shows beside what is known; None where its conditions are not shown."""
     standing = point.known.standing
     if function.decrease is Decrease.STRICT:
-        return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
+        return falling_finding(function)
     if function.decrease is not Decrease.WEAK:
         return None
     if standing is not None and not standing.is_weak:

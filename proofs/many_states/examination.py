@@ -18,13 +18,7 @@ from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
 from nonsmooth.proofs.kernel.bases import functions_on
-from nonsmooth.proofs.kernel.cells import (
-    BeyondReachError,
-    SignCells,
-    StatedCells,
-    stated_cells,
-    surfaces_of,
-)
+from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, StatedCells, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import SQUARES, Collected, Functions, decide_claim
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
 from nonsmooth.proofs.kernel.written import rational_slopes, terms_of

@@ -45,14 +45,7 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, sharpen
 from nonsmooth.proofs.kernel.first_terms import fields_around, neutral_subspace
 from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
 from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms, proposed
-from nonsmooth.proofs.kernel.search import (
-    Entry,
-    Functions,
-    NotShownError,
-    Search,
-    directed_hypotheses,
-    sample_points,
-)
+from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, Search, directed_hypotheses, sample_points
 from nonsmooth.proofs.kernel.second_function import find_second, rounded
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.kernel.written import (

@@ -19,7 +19,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, Place, shapes_about
 from nonsmooth.proofs.robust.rings import TouchingRings, root_above
@@ -317,6 +316,7 @@ def _proposed(scene: Scene, velocity: Velocity, size: float) -> Iterator[Floats 
 def velocity_of(scene: Scene) -> Velocity | None:
     """Of the centre of mass at a place, in floats."""
     if scene.contact.rule == "nearest":
+        from nonsmooth.analysis.fields.contact_model import contact_model
         from nonsmooth.analysis.minimizers.sampling import literal_twist
 
         model = contact_model(scene)

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, even_angles, norms, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, even_angles, following, norms, unit_vectors
 
 SECTORS = 24  # of each ring of circles
 VERTICES = 32
@@ -155,9 +155,9 @@ class SectorFunction(LevelFunction):
             ArithmeticError: where rays do not go counterclockwise.
         """
         (a, b), (c, d) = (
-            (Intervals.of(w[:, 0]), Intervals.of(w[:, 1])) for w in (self.vertices, self._next(self.vertices))
+            (Intervals.of(w[:, 0]), Intervals.of(w[:, 1])) for w in (self.vertices, following(self.vertices))
         )
-        first, second = Intervals.of(self.values), Intervals.of(self._next(self.values))
+        first, second = Intervals.of(self.values), Intervals.of(following(self.values))
         area = a * d - b * c
         if not (area.low > 0).all():
             raise ArithmeticError("required rays that go counterclockwise")
@@ -178,12 +178,12 @@ class SectorFunction(LevelFunction):
     @cached_property
     def sectors(self) -> NDArray[np.intp]:
         """Where V is positive somewhere, (m,)."""
-        return np.flatnonzero(np.maximum(self.values, self._next(self.values)) > 0)
+        return np.flatnonzero(np.maximum(self.values, following(self.values)) > 0)
 
     def pieces(self, inner: Floats, outer: Floats, parts: int = 1) -> RingPieces:
         """Of the sectors where V is positive somewhere; levels must have no more than 24 bits."""
         shares = (np.arange(parts) / parts)[None, :, None]
-        ahead = self._next(self.vertices)[:, None] - self.vertices[:, None]
+        ahead = following(self.vertices)[:, None] - self.vertices[:, None]
         every = _quadrangles((self.vertices[:, None] + shares * ahead).reshape(-1, 2), inner, outer)
         corners = every.reshape(len(inner), len(self.vertices), parts, 4, 2)[:, self.sectors].reshape(-1, 4, 2)
         x, y = (_repeated(slope[self.sectors], parts, len(inner)) for slope in self.slopes)
@@ -193,10 +193,6 @@ class SectorFunction(LevelFunction):
     def rays(self, sector: int) -> Floats:
         """The vertices on both sides of a sector (2, 2), counterclockwise."""
         return self.vertices[[sector, (sector + 1) % len(self.vertices)]]
-
-    @staticmethod
-    def _next(entries: Floats) -> Floats:
-        return np.roll(entries, -1, axis=0)
 
 
 def shapes_about(slope: Floats) -> Iterator[LevelFunction]:
@@ -246,8 +242,8 @@ def short_vertices(entries: Floats) -> Floats:
 
 def _quadrangles(rays: Floats, inner: Floats, outer: Floats) -> Floats:
     """(rings times rays, 4, 2)."""
-    following, near, far = np.roll(rays, -1, axis=0), inner[:, None, None], outer[:, None, None]
-    corners = np.stack([near * rays, far * rays, far * following, near * following], axis=2)
+    ahead, near, far = following(rays), inner[:, None, None], outer[:, None, None]
+    corners = np.stack([near * rays, far * rays, far * ahead, near * ahead], axis=2)
     return corners.reshape(-1, 4, 2)
 
 

@@ -32,14 +32,7 @@ from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.boxes.balanced_forces import LoadBox, Triple, load_box
 from nonsmooth.proofs.boxes.enclosed_rest import Balance, EnclosedRest, isolated_rest
-from nonsmooth.proofs.boxes.enclosures import (
-    UNIT,
-    Jet,
-    newton,
-    parameters,
-    turned_by,
-    unit_vector,
-)
+from nonsmooth.proofs.boxes.enclosures import UNIT, Jet, newton, parameters, turned_by, unit_vector
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
 from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.robust.box import BoxWheel, box_wheels, half_widths

@@ -21,14 +21,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.outside import closed, place_of
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings import Record
-from nonsmooth.proofs.systems.basin_mesh import (
-    Announce,
-    BasinEffort,
-    BuiltMesh,
-    grown_mesh,
-    last_ring,
-    mesh_corners,
-)
+from nonsmooth.proofs.systems.basin_mesh import Announce, BasinEffort, BuiltMesh, grown_mesh, last_ring, mesh_corners
 from nonsmooth.proofs.systems.basin_rings import (
     FieldInCells,
     FloatField,

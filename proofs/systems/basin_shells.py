@@ -28,15 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.systems.basin_mesh import on_plane, whole_plane
-from nonsmooth.proofs.systems.basin_rings import (
-    FloatField,
-    Home,
-    falls,
-    gradients,
-    lattice_unit,
-    mixtures,
-    unit_ball,
-)
+from nonsmooth.proofs.systems.basin_rings import FloatField, Home, falls, gradients, lattice_unit, mixtures, unit_ball
 from nonsmooth.symbolic.numbers.plane_arrays import (
     Floats,
     Mask,

@@ -160,6 +160,11 @@ class Finding:
         return self.theorem is Method.LYAPUNOV and self.verdict is Translation.STABLE and not self.refutes
 
 
+def falling_finding(function: ExaminedFunction) -> Finding:
+    """What a V shows that falls along every solution."""
+    return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
+
+
 def weak_finding(function: ExaminedFunction, refutes: str) -> Finding:
     """What a V shows that does not increase.
 

@@ -28,16 +28,7 @@ from nonsmooth.proofs.checker.outside import show_outside
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings import Record
-from nonsmooth.proofs.systems.basin_rings import (
-    FloatField,
-    Pace,
-    area,
-    grow,
-    lattice_unit,
-    next_ring,
-    sines,
-    unit_ball,
-)
+from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, area, grow, lattice_unit, next_ring, sines, unit_ball
 from nonsmooth.symbolic.numbers.plane_arrays import (
     Floats,
     are_finite,

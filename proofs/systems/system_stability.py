@@ -37,6 +37,7 @@ from nonsmooth.proofs.systems.findings import (
     Method,
     PlaneFunction,
     Reach,
+    falling_finding,
     weak_finding,
 )
 from nonsmooth.proofs.systems.ray_moves import (
@@ -262,7 +263,7 @@ def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | N
             return None
         return Finding(Method.GROWTH, Translation.UNSTABLE, "a positive V grows along every solution", function)
     if function.decrease is Decrease.STRICT:
-        return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
+        return falling_finding(function)
     if function.decrease is not Decrease.WEAK or not point.is_covered_within(function.domain.radius):
         return None
     rest = next(map(str, point.rays), "")

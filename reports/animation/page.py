@@ -6,8 +6,6 @@ coordinates are those of the picture, in units of its view box.
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import json
 import math
 from collections.abc import Sequence
@@ -20,7 +18,7 @@ from nonsmooth.reports.animation.film import LONGEST_ARROW, Film
 from nonsmooth.reports.figures.path import marked
 from nonsmooth.reports.figures.style import length_label
 from nonsmooth.reports.figures.wheels import AXIS
-from nonsmooth.reports.formats.html import template_part
+from nonsmooth.reports.formats.html import script_hash, template_part
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 
@@ -54,7 +52,7 @@ def film_page(film: Film, said: Sequence[str] = ()) -> str:
             picture=picture,
             style=Markup(template_part("film.css")),
             script=Markup(script),
-            script_hash="sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
+            script_hash=script_hash(script),
             data=Markup(json.dumps(picture.record(), separators=(",", ":")).replace("<", "\\u003c")),
         )
         + "\n"

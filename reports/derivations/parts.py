@@ -64,12 +64,7 @@ from nonsmooth.reports.sections.opening import (
     reproduction_section,
     verdict_section,
 )
-from nonsmooth.reports.sections.stability import (
-    equilibria_section,
-    filippov_section,
-    lyapunov_section,
-    theorem_section,
-)
+from nonsmooth.reports.sections.stability import equilibria_section, filippov_section, lyapunov_section, theorem_section
 from nonsmooth.reports.sections.trajectories import law_section, trajectories_section, without_law
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind

@@ -320,8 +320,10 @@ def _evolve(search: _Search, scene: Scene, freedom: Freedom, wish: Wish, told: T
     with suppress(SpentError):
         tried.limit = round(ALIKE * wish.checks)
         for direction in map(np.array, freedom.together(scene)):
-            line = _Line(tried, direction)
-            minimize_scalar(line.cost, bounds=(-1.0, 1.0), method="bounded", options={"maxiter": LINE})
+            line = (tried.best, direction)
+            minimize_scalar(
+                tried.cost_along, args=line, bounds=(-1.0, 1.0), method="bounded", options={"maxiter": LINE}
+            )
     with suppress(SpentError):
         tried.limit = round(WIDE * wish.checks)
         differential_evolution(
@@ -357,12 +359,6 @@ class _Tried:
             self._least, self.best = found, np.array(vector)
         return found
 
-
-class _Line:
-    """The costs of a search along a line through the best vector so far."""
-
-    def __init__(self, tried: _Tried, direction: Floats) -> None:
-        self._tried, self._from, self._direction = tried, tried.best, direction
-
-    def cost(self, step: float) -> float:
-        return self._tried.cost(np.clip(self._from + step * self._direction, 0.0, 1.0))
+    def cost_along(self, step: float, start: Floats, direction: Floats) -> float:
+        """That of a vector on a line, as far as the bounds let it lie there."""
+        return self.cost(np.clip(start + step * direction, 0.0, 1.0))

@@ -224,9 +224,8 @@ def formulas_of(system: SwitchedSystem, function: ExaminedFunction | None = None
         system: a plain system.
         function: the V that was found; none of a system that is seen by roots of its states.
     """
-    lists = system.rewriting.written or tuple(tuple(side.text for side in (member.rhs)) for member in system.members)
     lyapunov = None if function is None or system.by_roots is not None else function.formula.text
     point = tuple(map(str, system.check.equilibrium))
     if system.by_roots is not None:
         point = ("0",) * len(system.stated_states)  # V alone asks for it
-    return FieldFormulas(system.name, system.stated_states, lists, lyapunov, point)
+    return FieldFormulas(system.name, system.stated_states, system.stated_lists, lyapunov, point)

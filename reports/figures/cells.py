@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.fields.sliding_edges import EdgeKind, switching_stretches
-from nonsmooth.analysis.minimizers.sampling import SampledField
 from nonsmooth.reports.figures.style import (
     INK,
     LABEL,
@@ -57,6 +56,7 @@ if TYPE_CHECKING:
     from matplotlib.contour import QuadContourSet
     from matplotlib.figure import Figure, SubFigure
 
+    from nonsmooth.analysis.minimizers.sampling import SampledField
     from nonsmooth.proofs.answers.array_basin import ArrayBasin
     from nonsmooth.proofs.systems.basin import CertifiedBasin
 

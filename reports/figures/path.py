@@ -14,7 +14,6 @@ import numpy as np
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
-from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.trajectories.result import Event, EventKind, Trajectory
 from nonsmooth.reports.figures.cells import fill_cells, view_square
 from nonsmooth.reports.figures.style import (
@@ -40,12 +39,14 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.plane import in_floats
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norm, spread
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
+
+    from nonsmooth.analysis.fields.sign_field import SignField
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 WIDE, ARRAY = 9.6, (8.0, 4.6)  # inches: width of a plain system's picture; size of an array's
 LEAST_HEIGHT, CURVE = 5.6, 1.5  # inches: of a plain system's picture at least, of one of its curves

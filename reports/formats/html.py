@@ -28,6 +28,7 @@ from nonsmooth.reports.output.document import (
     Table,
     Text,
     Verdict,
+    every_section,
     plain_text,
 )
 
@@ -50,7 +51,7 @@ def render_html(document: Document) -> str:
     environment.globals |= {"page": page, "style": _markup(template_part("report.css"))}
     environment.globals |= {
         "script": _markup(template_part("report.js")),
-        "script_hash": _hash(template_part("report.js")),
+        "script_hash": script_hash(template_part("report.js")),
     }
     return environment.from_string(template_part("report.html.j2")).render(document=document) + "\n"
 
@@ -65,7 +66,7 @@ class _Page:
     def names(self) -> dict[int, str]:
         """An id for every section, by identity: its title in lower case, numbered where titles repeat."""
         names: dict[int, str] = {}
-        for section in _sections(self.document.sections):
+        for section in every_section(self.document.sections):
             slug = re.sub(r"[^a-z0-9]+", "-", section.title.lower()).strip("-") or "section"
             taken = set(names.values())
             free = (slug if k == 1 else f"{slug}-{k}" for k in range(1, len(taken) + 2))
@@ -81,7 +82,7 @@ class _Page:
     def in_sections(self) -> dict[str, str]:
         """The section about a mark, by id."""
         targets: dict[str, str] = {}
-        for section in _sections(self.document.sections):
+        for section in every_section(self.document.sections):
             for mark in section.marks:
                 targets.setdefault(mark, self.names[id(section)])
         return targets
@@ -117,12 +118,6 @@ class _Page:
     def marks_of_row(self, block: Table, row: int) -> tuple[str, ...]:
         """What a row is about."""
         return block.marks[row] if block.marks else ()
-
-
-def _sections(sections: tuple[Section, ...]) -> Iterator[Section]:
-    for section in sections:
-        yield section
-        yield from _sections(section.subsections)
 
 
 def _text(text: Text) -> Markup:
@@ -176,7 +171,8 @@ def _markup(text: str) -> Markup:
     return Markup(text)
 
 
-def _hash(script: str) -> str:
+def script_hash(script: str) -> str:
+    """By which a page allows its own script and no other."""
     return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
 
 

@@ -165,13 +165,15 @@ class Document(ShortRepr):
     @property
     def figures(self) -> tuple[Figure, ...]:
         """All figures, in order."""
-        return tuple(block for section in _all(self.sections) for block in section.blocks if isinstance(block, Figure))
+        every = every_section(self.sections)
+        return tuple(block for section in every for block in section.blocks if isinstance(block, Figure))
 
 
-def _all(sections: tuple[Section, ...]) -> Iterator[Section]:
+def every_section(sections: tuple[Section, ...]) -> Iterator[Section]:
+    """All of them in order, each before those in it."""
     for section in sections:
         yield section
-        yield from _all(section.subsections)
+        yield from every_section(section.subsections)
 
 
 def display(latex: str, plain: str) -> Display:

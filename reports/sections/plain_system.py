@@ -58,7 +58,6 @@ from nonsmooth.reports.output.prose import listed, paragraph, with_formulas
 from nonsmooth.reports.output.refusals import LARGEST, LEAST
 from nonsmooth.reports.simulations.paths import SystemPath, follow_system
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.symbolic.files.system_builder import stated_lists
 from nonsmooth.symbolic.formulas.enclosed_functions import kinds_text
 from nonsmooth.symbolic.formulas.trees import tidied, written
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
@@ -154,7 +153,7 @@ def _system_in_time_of_states(subject: SystemSubject) -> Section:
     roots = None if entry is None else signed_roots_of(entry["hypotheses"], system.stated_states)
     if roots is None:
         raise TypeError("required a V about roots of states")
-    stated = [_formulas(system.stated_states, formulas) for formulas in stated_lists(system)]
+    stated = [_formulas(system.stated_states, formulas) for formulas in system.stated_lists]
     where = paragraph(
         "Checked at {}. V is a function of {}, with {}, in the time of the states. On switching surfaces the values of "
         "the formulas are ignored: solutions are those of Filippov's inclusion. {}",

@@ -23,13 +23,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.findings import Feedback
 from nonsmooth.reports.checks.subject import ArraySubject
-from nonsmooth.reports.figures.path import (
-    cells_picture,
-    centre_picture,
-    path_figure,
-    start_mark,
-    starts_figure,
-)
+from nonsmooth.reports.figures.path import cells_picture, centre_picture, path_figure, start_mark, starts_figure
 from nonsmooth.reports.figures.style import drawn
 from nonsmooth.reports.laws.feedback_loop import GAIN, FeedbackLoop, build_loop, certified_law
 from nonsmooth.reports.output.document import Block, Code, Entry, Figure, Frame, Math, Section, decimal, table
@@ -37,8 +31,9 @@ from nonsmooth.reports.output.prose import paragraph, prose
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import is_paper_array, law_of_section_3_3
 from nonsmooth.reports.sections.feedback import law_formulas, region_blocks
+from nonsmooth.reports.simulations.closed_paths import follow_loop
 from nonsmooth.reports.simulations.path_ends import pose_text, shown_angle
-from nonsmooth.reports.simulations.paths import ArrayPath, follow_cells
+from nonsmooth.reports.simulations.paths import ArrayPath
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions, unit_of_typed_angles
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import AngleUnit, Units
@@ -325,7 +320,7 @@ def _followed(subject: ArraySubject, loop: FeedbackLoop, start: Pose) -> Followe
     """The path to the first of the times at which the body is as good as home."""
     for until in TIMES:
         options = SimulateOptions(start=start, until=until, feedback=True)
-        path = FollowedStart(start, follow_cells(subject.cells.partition, options, loop), until)
+        path = FollowedStart(start, follow_loop(subject.cells.partition, options, loop), until)
         if path.path.end.reason is not EndReason.TIME or _is_home(loop, path):
             break
     return path

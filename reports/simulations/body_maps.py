@@ -36,11 +36,7 @@ from nonsmooth.reports.figures.style import (
 from nonsmooth.reports.figures.wheels import AXES_SHARE, draw_names, outline_of, placed
 from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.progress import progress
-from nonsmooth.reports.simulations.maps import (
-    ArrayMap,
-    Part,
-    grid_of,
-)
+from nonsmooth.reports.simulations.maps import ArrayMap, Part, grid_of
 from nonsmooth.reports.simulations.path_ends import (
     SLOWLY,
     accuracy_text,

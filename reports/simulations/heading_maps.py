@@ -95,8 +95,8 @@ class HeadingsResult(Result):
         reasons = self.found.reasons
         if reasons[one] != reasons[other]:
             return False
-        turn = turned_heading(self.found.poses[[other], 2] - self.found.poses[[one], 2])
-        return not self._stands(one) or bool(abs(turn[0]) <= ALIKE)
+        turn = turned_heading(self.found.poses[other, 2] - self.found.poses[one, 2])
+        return not self._stands(one) or bool(abs(turn) <= ALIKE)
 
     def _stands(self, start: int) -> bool:
         return ENDS[self.found.reasons[start]] in {BodyEnd.REST, BodyEnd.TIME}

@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swings_of
 from nonsmooth.analysis.trajectories.result import (
@@ -31,7 +31,9 @@ from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import pose_in_floats
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, norms
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 DIGITS = 3
 AT_POINT = 1e-9  # of the scene's length: a distance that is rounding

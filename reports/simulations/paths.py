@@ -1,22 +1,19 @@
 """A path: one solution of an array or of a plain system, with its events.
 
 The command ``simulate`` prints and saves the object that Python users hold.  What all paths share is said by
-:class:`PathResult`; what an array adds (cells, a law with its speeds, a film), a law of imposed twists, a body with
-mass and a plain system, by the classes below it.
+:class:`PathResult`; what a plain system and an array add (cells, a film), by the classes below it.  Paths under a law
+(:mod:`nonsmooth.reports.simulations.closed_paths`) and of a body with mass
+(:mod:`nonsmooth.reports.simulations.masses`) are paths of an array that say more.
 """
 
 from __future__ import annotations
 
-import math
 from abc import abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
-
-import numpy as np
 
 from nonsmooth.analysis.bodies.settling import Settled, Settling
 from nonsmooth.analysis.cells.contact_partition import build_partition
@@ -24,19 +21,14 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.constant_field import array_field
-from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.trajectories.result import UNFINISHED, EndReason, EventKind, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import UNFINISHED, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.answers.answer import half_life, has_dynamics, how_far
-from nonsmooth.proofs.findings import Feedback, Record
-from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
+from nonsmooth.proofs.answers.answer import has_dynamics
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.files import FILMS, output_path, write_whole
 from nonsmooth.reports.output.progress import steps
-from nonsmooth.reports.output.refusals import OptionError
-from nonsmooth.reports.output.study_options import LawName, PathMethod
+from nonsmooth.reports.output.study_options import PathMethod
 from nonsmooth.reports.simulations.path_ends import (
     ArrayPathEnd,
     is_at_point,
@@ -49,26 +41,24 @@ from nonsmooth.reports.simulations.simulate_options import POSE, SimulateOptions
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import require_no_outline, standing, whole
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
-from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
-from nonsmooth.symbolic.numbers.plane import Pose, in_floats, pose_in_floats
+from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
+from nonsmooth.symbolic.numbers.number_text import float_text, place_text
+from nonsmooth.symbolic.numbers.plane import Pose
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from nonsmooth.analysis.bodies.path import OneContactSet
-    from nonsmooth.reports.figures.path import PathPicture, SpeedCurves
+    from nonsmooth.analysis.fields.sign_field import SignField
+    from nonsmooth.reports.animation.film import Film
+    from nonsmooth.reports.figures.path import PathPicture
     from nonsmooth.reports.laws.driven_loop import DrivenLoop
+    from nonsmooth.reports.laws.feedback_loop import FeedbackLoop
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SCHEMA = "nonsmooth-trajectory/1"
 SHOWN = 12  # events listed on a terminal
-NO_FILM = (
-    "-o: required samples or a picture (.csv, .json, .svg, .png, .pdf) of a law under a rule with friction sets, "
-    "received a film"
-)
 UNIQUE = {
     True: "unique: no other solution from this start",
     False: "not unique: other solutions branch off",
@@ -90,7 +80,7 @@ class PathResult(Result):
     trajectory: Trajectory
     scene: Scene | None
     partition: Partition | None
-    loop: FeedbackLoop | DrivenLoop | None
+    loop: FeedbackLoop | DrivenLoop | None = None
 
     @property
     @abstractmethod
@@ -240,7 +230,7 @@ class SystemPath(PathResult):
         trajectory: the solution.
     """
 
-    scene = partition = loop = None
+    scene = partition = None
 
     system: SwitchedSystem
     field: SignField
@@ -287,9 +277,11 @@ def follow_system(system: SwitchedSystem, options: SimulateOptions) -> SystemPat
         TrajectoryError: where the integrator gives up.
         SceneError: for formulas that are no polynomials where the solution goes.
     """
+    from nonsmooth.analysis.fields.system_field import system_field
+
     start = options.place(system.stated_states)
     field = system_field(system, start)
-    return SystemPath(system, field, _without_refuted_doubts(system, _by_method(field, start, options)))
+    return SystemPath(system, field, _without_refuted_doubts(system, by_method(field, start, options)))
 
 
 def _without_refuted_doubts(system: SwitchedSystem, path: Trajectory) -> Trajectory:
@@ -311,7 +303,8 @@ def _without_refuted_doubts(system: SwitchedSystem, path: Trajectory) -> Traject
     return replace(path, events=certain, unique=True)
 
 
-def _by_method(field: Any, start: tuple[float, ...], options: SimulateOptions) -> Trajectory:
+def by_method(field: Any, start: tuple[float, ...], options: SimulateOptions) -> Trajectory:
+    """The solution of a field from a start, by events or by one of the methods that are compared with them."""
     if options.method is PathMethod.EVENTS:
         return simulate(field, start, options.last)
     from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
@@ -332,7 +325,6 @@ class ArrayPath(PathResult):
         trajectory: the path, in the world's frame.
         partition: its cells; None under rules without cells, and for a body with an outline in the open loop, whose
             cells change with the wheels under it.
-        loop: the law that sets the speeds; None for the scene's own.
         heavy: what becomes of a body with inertia from the same start, or why it is not followed; None where it is not
             asked for, as of scenes without units.
     """
@@ -340,7 +332,6 @@ class ArrayPath(PathResult):
     scene: Scene
     trajectory: Trajectory
     partition: Partition | None = None
-    loop: FeedbackLoop | DrivenLoop | None = None
     heavy: Settled | str | None = None
 
     formats: ClassVar[Formats] = {
@@ -366,9 +357,9 @@ class ArrayPath(PathResult):
         return end.record(), own + end.words()
 
     def beside(self) -> Sequence[str]:
-        """What becomes of a body with inertia; of a law that is still at work that the clock stopped there."""
+        """What becomes of a body with inertia."""
         if self.heavy is None:
-            return self._clock()
+            return ()
         if isinstance(self.heavy, str):
             return (f"with inertia: not followed: {self.heavy}",)
         last = float_text(self.heavy.until, 3) + self.scene.units.after_time
@@ -376,103 +367,40 @@ class ArrayPath(PathResult):
         followed = f"with inertia (simulated, from rest until {rests}t = {last})"
         return (f"{followed}: {settled_words(self.scene, self.heavy)}",)
 
-    def _clock(self) -> Sequence[str]:
-        """That a path under a law ends with the time, and whether before its error is certified to halve."""
-        end = self.trajectory.end
-        is_over = end.reason is EndReason.TIME and ArrayPathEnd(self.scene, self.trajectory).ending.since is None
-        if self.loop is None or not is_over:
-            return ()
-        second = self.scene.units.after_time
-        said = f"that is where the clock stopped, at t = {float_text(float(end.t), 4)}{second}, not where the law leads"
-        kappa = self.loop.feedback.certified_kappa if self.loop.is_certified else None
-        if kappa is None or self.scene.loop_errors is not None or self.scene.speed_limits:
-            return (said,)
-        half = half_life(kappa * Fraction(self.loop.gain))
-        shorter = float(end.t) < float(half)
-        time = f"the certified time in which the error halves near the point, {half}{second} (--until)"
-        return (f"{said}; that is sooner than {time}" if shorter else said,)
-
     def facts(self) -> Record:
-        """The record of the trajectory, with the law and the speeds of the wheels."""
-        if self.loop is None:
-            own: Record = super().facts() | {"law": None, "speeds": None}
-            if isinstance(self.heavy, Settled):
-                own["inertia"] = settled_record(self.scene, self.heavy)
-            return own
-        return super().facts() | {"feedback": self.loop.name, "law": self._law(), "speeds": self._speed_rows()}
-
-    def _law(self) -> Record | None:
-        """The law of a closed loop, whether it is certified, and from where."""
-        loop = self.loop
-        if loop is None:
-            return None
-        return {
-            "name": loop.name,
-            "formula": loop.formula,
-            "gain": loop.gain,
-            "certified": loop.is_certified,
-            "status": loop.status,
-            "region": loop.region_text,
-            "starts_inside": loop.holds(self._centred_start),
-        }
-
-    def table(self) -> DataTable:
-        """Time and pose of every sample, and in a closed loop the speeds of the wheels."""
-        columns, lines = super().table()
-        if self.loop is None:
-            return DataTable(columns, lines)
-        names = (f"u_{wheel.index:d}" for wheel in self._carrying.wheels)
-        return DataTable((*columns, *names), [[*a, *b] for a, b in zip(lines, self._speed_rows(), strict=True)])
+        """The record of the trajectory, and what becomes of a body with inertia; there is no law."""
+        own: Record = super().facts() | {"law": None, "speeds": None}
+        if isinstance(self.heavy, Settled):
+            own["inertia"] = settled_record(self.scene, self.heavy)
+        return own
 
     def head(self) -> Sequence[str]:
-        """The kinematics and the method, and what is certified of the law."""
+        """The kinematics and the method."""
         path = self.trajectory
         rule = "" if self.partition is not None else f" (rule {self.scene.contact.rule})"
-        lines = [f"{one_line(self.name)}: {path.kinematics} kinematics, method {path.method}{rule}"]
-        if self.loop is None:
-            return lines
-        lines += self.loop.words(self._centred_start)
-        if self.scene.body is not None:
-            wheels = self._carrying.numbers
-            lines.append(f"certified while wheels {numbers_text(wheels)} carry the body, and no others")
-        return lines
-
-    def summary(self) -> str:
-        """How many events, how it ends, and under which law."""
-        return super().summary() + ("" if self.loop is None else f"; {self.loop.title}")
+        return [f"{one_line(self.name)}: {path.kinematics} kinematics, method {path.method}{rule}"]
 
     def speeds(self, times: Iterable[float] | None = None) -> Floats:
         """The speeds of all wheels in a closed loop at times, those of its samples unless given (m, n).
 
-        At a switch they are those of the motion that begins there; nan where a wheel does not act and is given none.
-
         Raises:
             ValueError: in the open loop.
         """
-        from nonsmooth.analysis.motion.frames import build_frames
-
-        if self.partition is None or not isinstance(self.loop, FeedbackLoop):
-            raise ValueError("required a closed loop, received the scene's own speeds")
-        at = self.trajectory.t.tolist() if times is None else list(map(float, times))
-        leading = self.trajectory.kinematics != Kinematics.EXACT
-        pivot = self.scene.check.place if leading else None
-        inputs = self.loop.inputs(self.partition)
-        path, cells = self.trajectory, self.partition
-        return build_frames(self._carrying, path, at, partition=cells, inputs=inputs, pivot=pivot).speeds
-
-    def _speed_rows(self) -> list[list[float | None]]:
-        """The speeds of every sample; None where a wheel is given none."""
-        return [[None if math.isnan(u) else u for u in row] for row in self.speeds().tolist()]
+        raise ValueError("required a closed loop, received the scene's own speeds")
 
     def film(self, ending: str) -> bytes:
         """The motion itself: a page with a slider, or a .gif."""
-        from nonsmooth.reports.animation.film import build_film
         from nonsmooth.reports.animation.movie import gif_bytes
         from nonsmooth.reports.animation.page import film_page
 
-        loop = self.loop if isinstance(self.loop, FeedbackLoop) else None
-        film = build_film(whole(self.scene), self.trajectory, self.partition, loop)
+        film = self._frames()
         return gif_bytes(film) if ending == ".gif" else film_page(film, (self.ending[1], *self.beside())).encode()
+
+    def _frames(self) -> Film:
+        """What moves over which wheels."""
+        from nonsmooth.reports.animation.film import build_film
+
+        return build_film(whole(self.scene), self.trajectory, self.partition)
 
     def picture(self) -> PathPicture:
         """The pose over time and the path over the cells, or between the wheels."""
@@ -481,105 +409,28 @@ class ArrayPath(PathResult):
         if self.partition is None:
             said = f"rule {self.scene.contact.rule}, {self.trajectory.kinematics} kinematics"
             return wheels_picture(self.scene, self.trajectory, f"{one_line(self.name)}: {said}")
-        law = "" if self.loop is None else self.loop.title
-        return cells_picture(self.partition, self.trajectory, law, self._speed_curves())
-
-    def _speed_curves(self) -> SpeedCurves | None:
-        """The speeds over time; None in the open loop."""
-        from nonsmooth.reports.figures.path import SAMPLES, SpeedCurves
-        from nonsmooth.reports.figures.style import time_label
-
-        if not isinstance(self.loop, FeedbackLoop):
-            return None
-        (times, _), units = self.trajectory.dense(SAMPLES), self.scene.units
-        labels = time_label("t", units), f"speeds u_i [{units.speed or 'speed'}]"
-        return SpeedCurves(times, self.speeds(times), self._carrying.numbers, self.loop.limits, labels)
-
-    @property
-    def _carrying(self) -> Scene:
-        """The array of the wheels that the law drives."""
-        return self.scene if self.partition is None else self.partition.scene
-
-    @property
-    def _centred_start(self) -> Pose:
-        """The start, measured from the checked point."""
-        x, y, theta = pose_in_floats(self.trajectory.states[0])
-        at_x, at_y = self._carrying.check.equilibrium
-        return x - float(at_x), y - float(at_y), theta
-
-
-@dataclass(frozen=True, repr=False, kw_only=True)
-class DrivenPath(ArrayPath):
-    """A path under the law of imposed twists.
-
-    Attributes:
-        loop: the law.
-        own: the path as the law sees it, measured from the checked point.
-    """
-
-    loop: DrivenLoop
-    own: Trajectory
-
-    def speeds(self, times: Iterable[float] | None = None) -> Floats:
-        """What the law asks for at the poses of the samples (m, n)."""
-        del times
-        return np.array([self.loop.speeds(pose) for pose in self.own.states])
-
-    def film(self, ending: str) -> bytes:
-        """There is none: it would show the speeds of the open loop.
-
-        Raises:
-            OptionError: always.
-        """
-        raise OptionError(NO_FILM)
-
-    def picture(self) -> PathPicture:
-        """The pose over time and the path about the checked point."""
-        from nonsmooth.reports.figures.path import centre_picture
-
-        return centre_picture(self.scene, self.trajectory, "certified law")
-
-    @property
-    def _carrying(self) -> Scene:
-        return self.loop.scene
-
-    @property
-    def _centred_start(self) -> Pose:
-        x, y, theta = pose_in_floats(self.own.states[0])
-        return x, y, theta
+        return cells_picture(self.partition, self.trajectory)
 
 
 def follow_array(scene: Scene, options: SimulateOptions) -> ArrayPath:
-    """The path of a body without mass: through the cells of its rule, or by the rule's own field.
-
-    Args:
-        scene: the array.
-        options: what to simulate.
+    """The path of a body without mass in the open loop: through the cells of its rule, or by the rule's own field.
 
     Raises:
-        OptionError: for a start that is no pose, and a law, a method or kinematics that the rule does not offer.
-        ValueError: for a start outside the checked square, and a law that does not apply.
+        OptionError: for a start that is no pose, and a method or kinematics that the rule does not offer.
+        ValueError: for a start outside the checked square.
         RefusalError: where the motion is not determined.
         SceneError: for a body with an outline that this run does not follow.
         TrajectoryError: where the path cannot be followed.
-        ContradictionError: for a closed-loop path that contradicts the verdict about its law.
     """
-    start, rule, law = options.pose, rule_of(scene), options.closed_by
+    start, rule = options.pose, rule_of(scene)
     if options.is_plain and (isinstance(rule, SmoothRule) or scene.body is not None):
         from nonsmooth.analysis.bodies.mass_study import rule_path  # bodies: a path through cells needs none
 
         path = rule_path(scene, rule.name, start, options.last)
         return ArrayPath(scene, path, heavy=_with_inertia(scene, start))
-    if law is not None and not rule.keeps_rows:
-        return _follow_driven(scene, options)
-    if law is not None and scene.loop_errors is not None:
-        expected = "one of the other contact rules for a law whose pose is late or wrong"
-        raise SceneError(scene.origin, "feedback", expected, StatedFact("nearest: it may lie in another contact state"))
-    contacts = _one_contact_set(scene, options)
+    require_no_outline(scene)
     partition = build_partition(standing(scene))
-    loop = None if law is None else build_loop(partition, law, options.kinematics, gain=options.gain)
-    path = follow_cells(partition, options, loop)
-    return ArrayPath(scene, path if contacts is None else contacts.until_change(path), partition, loop)
+    return ArrayPath(scene, follow_cells(partition, options), partition)
 
 
 def _with_inertia(scene: Scene, start: Pose) -> Settled | str | None:
@@ -595,94 +446,10 @@ def _with_inertia(scene: Scene, start: Pose) -> Settled | str | None:
             return one_line(str(error))
 
 
-def follow_cells(partition: Partition, options: SimulateOptions, loop: FeedbackLoop | None = None) -> Trajectory:
-    """The path through cells; one by events is compared with what is certified about its start.
-
-    A closed loop is followed with the length l of the scene for its unit: steps are the same in every unit of length.
+def follow_cells(partition: Partition, options: SimulateOptions) -> Trajectory:
+    """The path through cells at the scene's own speeds.
 
     Raises:
-        ValueError: for a start outside the square, or a law without control fields.
-        ContradictionError: for a closed-loop path that contradicts the verdict about its law.
+        ValueError: for a start outside the square.
     """
-    start = options.pose
-    if loop is None:
-        return _by_method(array_field(partition, options.kinematics), start, options)
-    length = float(partition.scene.check.length)
-    field, (x, y, theta) = loop.field(partition), start
-    if not field.faces_at(np.array(start)):
-        raise ValueError(f"required a start inside the domain of the cells, received {[x, y, theta]}")
-    in_length = replace(options, width=options.width / length)
-    path = _by_method(field.in_unit(length), (x / length, y / length, theta), in_length).in_lengths(length)
-    if options.method is PathMethod.EVENTS:
-        at = partition.scene.check.equilibrium
-        loop.refuse_contradiction(path, in_floats(at))
-    return loop.with_saturation(partition, path)
-
-
-def _one_contact_set(scene: Scene, options: SimulateOptions) -> OneContactSet | None:
-    """The wheels on which a closed loop starts, and ends when they change; None without an outline.
-
-    Raises:
-        SceneError: for a run that does not follow an outline.
-        ValueError: for a start on other wheels.
-    """
-    if scene.body is None:
-        return None
-    if options.method is not PathMethod.EVENTS or options.kinematics is not Kinematics.EXACT:
-        require_no_outline(scene)
-    return _started_on(standing(scene), options.pose)
-
-
-def _started_on(scene: Scene, start: Pose) -> OneContactSet:
-    """The wheels that carry the body of an array.
-
-    Raises:
-        ValueError: where others carry it at the start.
-    """
-    from nonsmooth.analysis.bodies.path import OneContactSet
-
-    contacts = OneContactSet(scene, how_far(scene, "the checked point", "the checked heading"))
-    contacts.require_start(start)
-    return contacts
-
-
-def _follow_driven(scene: Scene, options: SimulateOptions) -> DrivenPath:
-    """The closed loop of the certified law of imposed twists.
-
-    Raises:
-        OptionError: where no law is certified, and for another law, method or kinematics.
-        TrajectoryError: where a motion is not proved.
-        LoadError: for a start at which the body tips.
-        ValueError: for a start on other wheels than those of which the law is certified.
-    """
-    from nonsmooth.analysis.bodies.supports import tipping_edge
-    from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
-    from nonsmooth.reports.laws.driven_loop import DrivenLoop
-
-    required = f"--feedback: required, under rule {scene.contact.rule},"
-    method, kinematics = options.method, options.kinematics
-    if options.law is not LawName.CERTIFIED:
-        raise OptionError(f"{required} the certified law, received --law {options.law}")
-    if method is not PathMethod.EVENTS or kinematics is not Kinematics.EXACT:
-        raise OptionError(f"{required} --method events and exact kinematics, received {method}, {kinematics}")
-    centred = standing(scene).recentred()
-    feedback = decide_driven_feedback(centred).holding
-    if feedback.verdict is not Feedback.STABILIZABLE:
-        said = f"the feedback clause says {feedback.verdict}: {feedback.reason}"
-        raise OptionError(f"{required} a certified law; {said}")
-    loop = DrivenLoop(centred, feedback, options.gain)
-    (x, y), (start_x, start_y, theta) = scene.check.place, options.pose
-    own_start = (start_x - x, start_y - y, theta)
-    if loop.held.tips(np.array(own_start) / loop.length):
-        edge = tipping_edge(standing(scene), frozenset(range(len(centred.wheels))), np.array(options.pose))
-        said = f"required centres of mass inside the support polygon, received {place_text((start_x, start_y))}"
-        raise LoadError(f"{said}: the body tips there {edge}")
-    own = _until_other_wheels(loop, own_start, options.last)
-    return DrivenPath(scene, own.shifted(x, y), loop=loop, own=own)
-
-
-def _until_other_wheels(loop: DrivenLoop, start: Pose, until: float) -> Trajectory:
-    """The path; of a body with an outline until other wheels carry it."""
-    if loop.scene.body is None:
-        return loop.follow(start, until)
-    return _started_on(loop.scene, start).until_change(loop.follow(start, until))
+    return by_method(array_field(partition, options.kinematics), options.pose, options)

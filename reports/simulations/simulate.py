@@ -69,7 +69,7 @@ class Simulate(SceneStudy[SimulateOptions]):
             raise RefusedError(f"{path}: required {SceneKind.ARRAY} for {ending}, received {SceneKind.SYSTEM}")
         if ending in FILMS and options.feedback:
             from nonsmooth.analysis.cells.contact_rule import rule_of
-            from nonsmooth.reports.simulations.paths import NO_FILM
+            from nonsmooth.reports.simulations.closed_paths import NO_FILM
 
             if not rule_of(asked.scene).keeps_rows:
                 raise OptionError(NO_FILM)
@@ -187,13 +187,17 @@ def _map(scene: Scene, options: SimulateOptions) -> Result:
 
 
 def _path(scene: Scene, options: SimulateOptions) -> Result:
-    if options.method is not PathMethod.DYNAMICS:
-        from nonsmooth.reports.simulations.paths import follow_array
+    if options.method is PathMethod.DYNAMICS:
+        from nonsmooth.reports.simulations.masses import compare_masses, follow_body
 
-        return follow_array(scene, options)
-    from nonsmooth.reports.simulations.masses import compare_masses, follow_body
+        return compare_masses(scene, options) if options.compare_masses else follow_body(scene, options)
+    if options.closed_by is not None:
+        from nonsmooth.reports.simulations.closed_paths import follow_closed
 
-    return compare_masses(scene, options) if options.compare_masses else follow_body(scene, options)
+        return follow_closed(scene, options, options.closed_by)
+    from nonsmooth.reports.simulations.paths import follow_array
+
+    return follow_array(scene, options)
 
 
 def _outside(scene: Scene, options: SimulateOptions, start: Sequence[float]) -> str:

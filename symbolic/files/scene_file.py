@@ -379,8 +379,6 @@ def load_any(
     with deep_nesting_refused(source):
         data, file, path = read_document(source, rule=rule, radius=radius, at=at, accuracy=accuracy)
         if "system" not in data:
-            from nonsmooth.symbolic.files.scene_file import build_scene  # a plain system does without
-
             scene = build_scene(data, file, path, rule=rule, allow_outside=allow_outside)
             scene.field.writes_decimals &= not exact
             return scene

@@ -119,7 +119,7 @@ def with_roots(system: SwitchedSystem, orders: Sequence[int]) -> SwitchedSystem:
     Raises:
         SceneError: for formulas of too high a degree, and where the name of a root is taken.
     """
-    stated = {"states": list(system.stated_states), "rhs": list(map(list, stated_lists(system)))}
+    stated = {"states": list(system.stated_states), "rhs": list(map(list, system.stated_lists))}
     radius = {"radius": str(system.check.radius)}
     document = validate(SystemDocument, {"name": system.name, "system": stated, "check": radius}, system.source)
     rooted = {name: order for name, order in zip(system.stated_states, orders, strict=True) if order > 1}
@@ -138,11 +138,6 @@ def without_waves(system: SwitchedSystem) -> SwitchedSystem | None:
     return _of_lists(system, lists, 0) if lists and system.by_roots is None else None
 
 
-def stated_lists(system: SwitchedSystem) -> Sequence[Sequence[str]]:
-    """The formulas of each right-hand side as they were stated."""
-    return system.rewriting.written or [[side.text for side in member.rhs] for member in system.members]
-
-
 def part_of(system: SwitchedSystem, chosen: Sequence[str], texts: Mapping[str, str]) -> SwitchedSystem:
     """The system of some states, with the others replaced by formulas; one under a square root by its value.
 
@@ -150,7 +145,7 @@ def part_of(system: SwitchedSystem, chosen: Sequence[str], texts: Mapping[str, s
         SceneError: for formulas that cannot be used.
     """
     numbers = [system.stated_states.index(name) for name in chosen]
-    lists = dict.fromkeys(tuple(_replaced(system, side[k], texts) for k in numbers) for side in stated_lists(system))
+    lists = dict.fromkeys(tuple(_replaced(system, side[k], texts) for k in numbers) for side in system.stated_lists)
     at, radius = tuple(str(system.stated_point[k]) for k in numbers), str(system.check.radius)
     return _built_part(tuple(chosen), tuple(lists), at, radius, system.source, Path(system.name))
 
@@ -316,8 +311,7 @@ def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path
         if any(root in str(received) for root in roots.names.values()):
             received = StatedFact(f"{received} with {', '.join(roots.meanings)}")
         raise SceneError(error.file, error.key, expected, received) from None
-    lists = extended.rewriting.written or tuple(tuple(side.text for side in m.rhs) for m in extended.members)
-    written = tuple(tuple(map(roots.restored, part[: len(roots.states)])) for part in lists)
+    written = tuple(tuple(map(roots.restored, part[: len(roots.states)])) for part in extended.stated_lists)
     unscaled = replace(seen, rhs=unscaled.rhs, others=unscaled.others)  # over the same number field
     rewriting = replace(seen.rewriting, written=written)
     return replace(seen, rewriting=rewriting, by_roots=SeenByRoots(roots, extended, unscaled))

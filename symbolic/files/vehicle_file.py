@@ -16,13 +16,7 @@ from pydantic import Field, StrictInt
 
 from nonsmooth.symbolic.files.documents import builtin_vehicles, deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.layouts import Own, Uniform, WheelPlace, WheelTable
-from nonsmooth.symbolic.files.scene_document import (
-    ContactTable,
-    DriveTable,
-    FrictionTable,
-    SceneDocument,
-    UnitsTable,
-)
+from nonsmooth.symbolic.files.scene_document import ContactTable, DriveTable, FrictionTable, SceneDocument, UnitsTable
 from nonsmooth.symbolic.files.scene_file import stated_units
 from nonsmooth.symbolic.files.scene_values import (
     ExactField,

@@ -17,14 +17,7 @@ from typing import NamedTuple
 
 from flint import arb
 
-from nonsmooth.symbolic.mechanics.body import (
-    Body,
-    Disc,
-    chosen,
-    outer_positions,
-    square_rooms,
-    support_polygon,
-)
+from nonsmooth.symbolic.mechanics.body import Body, Disc, chosen, outer_positions, square_rooms, support_polygon
 from nonsmooth.symbolic.mechanics.load_model import LoadModel
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel, default_length
 from nonsmooth.symbolic.mechanics.springs import radius_to_check

@@ -132,8 +132,8 @@ def constraint_matrix(wheel: Wheel) -> tuple[tuple[Number, ...], tuple[Number, .
     return first, second
 
 
-def cross_product(a: Triple, b: Triple) -> Triple:
-    """Cross product in three dimensions."""
+def cross_product(a: Three[X], b: Three[X]) -> Three[X]:
+    """Cross product in three dimensions, in any arithmetic."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 

@@ -122,10 +122,14 @@ def point_velocities(twists: Floats, points: Floats) -> Floats:
     return twists[..., :2] + twists[..., 2:] * turned(points)
 
 
+def with_neighbours(step: float) -> Floats:
+    """The origin and the points a step east, west, north and south of it."""
+    return step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+
+
 def field_beside(velocity: Callable[[Floats], Floats], place: Floats, step: float) -> tuple[Floats, Floats]:
     """The velocity at a place of the plane and its derivative, by differences."""
-    around = place + step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-    here, east, west, north, south = velocity(around)
+    here, east, west, north, south = velocity(place + with_neighbours(step))
     return here, np.column_stack([east - west, north - south]) / (2 * step)
 
 

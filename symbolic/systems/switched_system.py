@@ -193,6 +193,11 @@ class SwitchedSystem(ShortRepr):
         return tuple(replace(self, rhs=rhs, others=(), rewriting=own) for rhs in (self.rhs, *self.others))
 
     @property
+    def stated_lists(self) -> tuple[tuple[str, ...], ...]:
+        """The formulas of each right-hand side as they were stated."""
+        return self.rewriting.written or tuple(tuple(side.text for side in rhs) for rhs in (self.rhs, *self.others))
+
+    @property
     def has_one_field(self) -> bool:
         """Whether the system as it was stated has one right-hand side: several may enclose it."""
         return not self.others or (self.only_encloses and len(self.rewriting.written) == 1)
@@ -527,9 +532,8 @@ def enclose_numbers(system: SwitchedSystem) -> SwitchedSystem:
     if system.by_roots is not None:
         raise NoEnclosureError("irrational numbers beside roots of states")
     first, *others = (side for own in sides for side in own)
-    stated = tuple(tuple(side.text for side in member.rhs) for member in system.members)
     encloses = (*system.rewriting.encloses, Enclosed.NUMBERS)
-    rewriting = replace(system.rewriting, written=system.rewriting.written or stated, encloses=encloses)
+    rewriting = replace(system.rewriting, written=system.stated_lists, encloses=encloses)
     return replace(system, rhs=first, others=tuple(others), rewriting=rewriting)
 
 

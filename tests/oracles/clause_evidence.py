@@ -31,7 +31,7 @@ from nonsmooth.proofs.clauses.at_point.mass import (
 from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.equilibrium.clause import EquilibriumResult
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
-from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, between, gains, in_scene
+from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, gains, in_scene
 from nonsmooth.proofs.clauses.feedback.every_load_law import EveryLoadLaw, wheels_of
 from nonsmooth.proofs.clauses.feedback.twist_candidates import BoxTwist, ImposedTwist, rank_of
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult, _has_short_paths
@@ -59,7 +59,7 @@ from nonsmooth.proofs.clauses.translation.quadratic import (
 from nonsmooth.proofs.findings import Equilibrium, Feedback, Rotation, Translation
 from nonsmooth.symbolic.mechanics.contact_states import inner
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.plane import around, cross, dot
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, plus
 
 
 @singledispatch
@@ -286,7 +286,7 @@ def _(cone: LawCone) -> bool:
     def is_unique(imposed: ImposedTwist) -> bool:
         if cone.rays is None:
             return imposed.is_unique
-        return isinstance(imposed, BoxTwist) and imposed.is_unique_towards(between(*cone.rays))
+        return isinstance(imposed, BoxTwist) and imposed.is_unique_towards(plus(*cone.rays))
 
     return rank_of(cone.twists) == 3 and all(map(is_unique, (*cone.twists, *cone.elsewhere)))
 

@@ -36,7 +36,7 @@ from nonsmooth.proofs.clauses.feedback.balanced_twists import (
     wheel_forces,
 )
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
-from nonsmooth.proofs.clauses.feedback.driven_law import between, rim_speeds
+from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.clauses.feedback.twist_candidates import BoxTwist, candidate_twists
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.at_point import decide_translation_at
@@ -47,6 +47,7 @@ from nonsmooth.proofs.theorem4 import CellCheck, SmoothCheck, check_cells, check
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
+from nonsmooth.symbolic.numbers.plane import plus
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.built_in import centred, ruled, whole_check
 from tests.conftest import Arrays
@@ -237,7 +238,7 @@ def test_speeds_impose_their_twists(name: str, ratio: Fraction) -> None:
     assert feedback.verdict is Feedback.STABILIZABLE
     assert evidence_holds(feedback)
     for cone in feedback.cones:
-        towards = (0.0, 0.0) if cone.rays is None else tuple(float(x) for x in between(*cone.rays))
+        towards = (0.0, 0.0) if cone.rays is None else tuple(float(x) for x in plus(*cone.rays))
         for imposed in cone.twists:
             found = twists_near(scene, 1e-2 * np.array([towards]), np.array(rim_speeds(scene, imposed)))
             assert np.abs(found[0] - [float(x) for x in imposed.twist]).max() < IMPOSED

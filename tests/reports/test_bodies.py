@@ -21,8 +21,9 @@ from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Traject
 from nonsmooth.reports.checks.answers import destinations_head
 from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.figures.path import MARKERS
+from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.simulations.body_maps import BodyMapResult
-from nonsmooth.reports.simulations.paths import follow_array
+from nonsmooth.reports.simulations.closed_paths import follow_closed
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import Result
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -308,7 +309,7 @@ LOOKS = 3000
 
 def closed_loop(start: tuple[float, float, float], rule: str = "nearest") -> Trajectory:
     scene = load_scene("carton-on-6x6", rule=rule)
-    return follow_array(scene, SimulateOptions(start=start, feedback=True)).trajectory
+    return follow_closed(scene, SimulateOptions(start=start, feedback=True), LawName.CERTIFIED).trajectory
 
 
 def first_change(path: Trajectory) -> float:
@@ -327,7 +328,7 @@ def first_change(path: Trajectory) -> float:
 def as_if_without_outline(start: tuple[float, float, float], rule: str = "nearest") -> Trajectory:
     """The closed loop on the same wheels, which carry for ever."""
     scene = replace(standing(load_scene("carton-on-6x6", rule=rule)), body=None, idle=())
-    return follow_array(scene, SimulateOptions(start=start, feedback=True)).trajectory
+    return follow_closed(scene, SimulateOptions(start=start, feedback=True), LawName.CERTIFIED).trajectory
 
 
 @pytest.mark.parametrize("rule", ["nearest", "box"])
@@ -349,7 +350,7 @@ def test_a_loop_whose_pose_is_late_ends_there_too() -> None:
     late = LoopErrors(scene.field.rational(Fraction(1, 1000)), scene.field.zero, Fraction(0))
     scene = replace(scene, loop_errors=late)
     path, exact = (
-        follow_array(each, SimulateOptions(start=LEAVES, feedback=True)).trajectory
+        follow_closed(each, SimulateOptions(start=LEAVES, feedback=True), LawName.CERTIFIED).trajectory
         for each in (scene, replace(scene, loop_errors=None))
     )
     assert path.method == "sampled"
@@ -357,7 +358,7 @@ def test_a_loop_whose_pose_is_late_ends_there_too() -> None:
     assert path.end.t == pytest.approx(exact.end.t, rel=0.05)
     assert path.times[-1] == path.end.t > path.times[-2]
     assert path.states[-1] == path.end.state
-    stays = follow_array(scene, SimulateOptions(start=STAYS, feedback=True)).trajectory
+    stays = follow_closed(scene, SimulateOptions(start=STAYS, feedback=True), LawName.CERTIFIED).trajectory
     assert stays.end.reason is EndReason.TIME
     assert not stays.events
 

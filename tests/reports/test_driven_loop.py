@@ -36,7 +36,7 @@ from nonsmooth.reports.laws.driven_loop import DrivenLoop
 from nonsmooth.reports.laws.feedback_loop import build_loop
 from nonsmooth.reports.laws.law_languages import law_of
 from nonsmooth.reports.output.study_options import LawName
-from nonsmooth.reports.simulations.paths import follow_array, follow_cells
+from nonsmooth.reports.simulations.closed_paths import follow_closed, follow_loop
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
@@ -472,7 +472,7 @@ def assert_brought_home(scene: Scene, check: Check, numbers: Mapping[str, Any]) 
         size = 0.9 * float(feedback.reach)
     kappa = float(numbers["rate"] or 0)
     start = (0.6 * size, -0.5 * size, 0.6 * size / length)
-    path = follow_array(scene, SimulateOptions(start=start, until=UNTIL, feedback=True))
+    path = follow_closed(scene, SimulateOptions(start=start, until=UNTIL, feedback=True), LawName.CERTIFIED)
     states = np.array(path.state, dtype=float) * (1, 1, length)
     values = (states**2).sum(axis=1)
     assert values[-1] < values[0]
@@ -567,7 +567,7 @@ def test_theta_may_rise_under_a_law_by_v_without_a_region(arrays: Arrays) -> Non
     assert feedback.region is None
     assert feedback.cascade is None
     loop = build_loop(partition, LawName.CERTIFIED, Kinematics.EXACT, feedback)
-    path = follow_cells(partition, SimulateOptions(start=START, feedback=True), loop)
+    path = follow_loop(partition, SimulateOptions(start=START, feedback=True), loop)
     thetas = [abs(float(state[2])) for state in path.states]
     assert max(thetas) > thetas[0] + 0.01
     loop.refuse_contradiction(path)

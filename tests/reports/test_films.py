@@ -30,9 +30,9 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.figures.cells import cells_figure
 from nonsmooth.reports.figures.style import figure_bytes, lay_out
 from nonsmooth.reports.figures.wheels import array_figure, outline_of, placed
-from nonsmooth.reports.laws.feedback_loop import FeedbackLoop
 from nonsmooth.reports.output.console import BAD_INPUT, run
 from nonsmooth.reports.output.study_options import PathMethod
+from nonsmooth.reports.simulations.closed_paths import CellLoopPath
 from nonsmooth.reports.simulations.paths import PathResult, follow_cells
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -250,7 +250,7 @@ def followed(name: str) -> PathResult:
 
 def frames_of(path: PathResult, count: int = 37) -> Frames:
     assert path.scene
-    inputs = path.loop.inputs(path.partition) if isinstance(path.loop, FeedbackLoop) and path.partition else None
+    inputs = path.loop.inputs(path.partition) if isinstance(path, CellLoopPath) else None
     times = np.linspace(0, path.t[-1], count)
     return build_frames(path.scene, path.trajectory, times, partition=path.partition, inputs=inputs)
 

@@ -36,7 +36,7 @@ from nonsmooth.reports.laws.feedback_loop import build_loop
 from nonsmooth.reports.laws.law_languages import Language, LawResult, law_of
 from nonsmooth.reports.laws.law_table import NoLawError
 from nonsmooth.reports.output.study_options import LawName
-from nonsmooth.reports.simulations.paths import follow_array
+from nonsmooth.reports.simulations.closed_paths import follow_closed
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -282,7 +282,7 @@ def test_the_closed_loop_ends_where_the_simulation_does(language: Language, tmp_
         )
     other = simulated_path(check, simulated(check, LawName.CERTIFIED, 1.0), start, until, step)
     assert np.abs(own - other).max() <= CLOSE
-    path = follow_array(check.scene, SimulateOptions(start=start, until=until, feedback=True))
+    path = follow_closed(check.scene, SimulateOptions(start=start, until=until, feedback=True), LawName.CERTIFIED)
     assert np.abs(own - np.array(path.state[-1], dtype=float)).max() < 4 * step
     assert np.abs(own).max() < 0.8 * max(start)
 

@@ -107,6 +107,16 @@ def speeds_of(path: PathResult, times: Any = None) -> Floats:
     return path.speeds(times)
 
 
+def test_only_a_path_under_a_law_has_one_and_its_speeds() -> None:
+    array = ARRAYS["four wheels"]
+    own, closed = (array.simulate((0.1, 0.2, 0.3), until=0.1, feedback=wanted) for wanted in (False, True))
+    assert own.loop is None
+    assert closed.loop is not None
+    assert speeds_of(closed).shape == (len(closed.t), 4)
+    with pytest.raises(ValueError, match="required a closed loop, received the scene's own speeds"):
+        speeds_of(own)
+
+
 def test_states_at_many_times_are_those_at_each() -> None:
     """Along a path of several stretches, before it, at its ends and after it, whatever the order of the times."""
     path = ARRAYS["four wheels"].simulate((0.1, 0.2, 0.3), until=2.0, feedback=True, gain=3.0).trajectory

@@ -29,7 +29,7 @@ from nonsmooth.reports.output.prose import with_formulas
 from nonsmooth.reports.sections.opening import answers_section
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene, load_system
-from nonsmooth.symbolic.files.system_builder import build_system, stated_lists
+from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.trees import formula_tree, tidied, written
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.polynomial import float_values
@@ -250,7 +250,7 @@ def test_rows_of_cells_are_the_stated_field(name: str) -> None:
         signs = [float_values(surface.terms, place[None])[0] > 0 for surface in subject.sign_cells.surfaces]
         (field,) = rows[" ".join("+" if sign else "-" for sign in signs)]
         assert [value(text, **values) for text in field.texts(names)] == pytest.approx(
-            [value(text, **values) for text in stated_lists(system)[0]]
+            [value(text, **values) for text in system.stated_lists[0]]
         )
 
 

@@ -34,14 +34,7 @@ from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
 from nonsmooth.proofs.boxes.enclosures import is_positive_definite, linear_stability, zero_of_rising
-from nonsmooth.proofs.boxes.linearization import (
-    Linearization,
-    Slip,
-    gradient,
-    linearize,
-    slips_at,
-    spin_candidates,
-)
+from nonsmooth.proofs.boxes.linearization import Linearization, Slip, gradient, linearize, slips_at, spin_candidates
 from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.symbolic.mechanics.contact_states import (
     Row,

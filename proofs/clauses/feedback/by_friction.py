@@ -55,13 +55,7 @@ from nonsmooth.proofs.clauses.feedback.control_fields import (
     side_friction_rules,
     sum_of_squares,
 )
-from nonsmooth.proofs.clauses.feedback.driven_law import (
-    LawCone,
-    best_three,
-    between,
-    certified_gain,
-    in_scene,
-)
+from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, best_three, certified_gain, in_scene
 from nonsmooth.proofs.clauses.feedback.rational_bounds import ball_of
 from nonsmooth.proofs.clauses.feedback.twist_candidates import (
     BoxTwist,
@@ -80,7 +74,7 @@ from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length, with_whee
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided, float_quotient, quotient
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, lower_text
-from nonsmooth.symbolic.numbers.plane import around, cross, dot
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, plus
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING, remembered
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
@@ -389,7 +383,7 @@ def law_by_direction(
     by_region = [[drives.examine(twist) for twist in twists] for drives in (Drives(own, r) for r in regions)]
     cones: list[LawCone] = []
     for start, end in _cones(own, regions, by_region):
-        middle = between(start, end)
+        middle = plus(start, end)  # inside a cone of less than a half turn
         here = next(twists for region, twists in zip(regions, by_region, strict=True) if _points_into(region, middle))
         unique = [twist for twist in here if twist.is_unique_towards(middle)]
         if rank_of(unique) < 3:

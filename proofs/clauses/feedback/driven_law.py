@@ -73,11 +73,6 @@ def in_scene(twist: Triple, length: Fraction) -> Triple:
     return twist[0], twist[1], twist[2] / length
 
 
-def between(start: Point, end: Point) -> Point:
-    """A direction inside a cone of less than a half turn."""
-    return start[0] + end[0], start[1] + end[1]
-
-
 def best_three(scene: Scene, unique: Sequence[ImposedTwist]) -> tuple[ImposedTwist, ...]:
     """Three independent ones of twists that span, of the first few those of the least effort, in the lengths that suit.
 

@@ -51,14 +51,7 @@ from flint import arb
 
 from nonsmooth.analysis.cells.polygon import Point, square
 from nonsmooth.proofs.clauses.feedback.control_fields import SQUARES, ControlLyapunov, InputCell, RowInputs, Shape
-from nonsmooth.proofs.clauses.feedback.rational_bounds import (
-    DIGITS,
-    MUCH_BELOW,
-    ball_of,
-    confirmed,
-    late,
-    rounded_down,
-)
+from nonsmooth.proofs.clauses.feedback.rational_bounds import DIGITS, MUCH_BELOW, ball_of, confirmed, late, rounded_down
 from nonsmooth.proofs.clauses.translation.quadratic import least_of_parabola
 from nonsmooth.symbolic.mechanics.contact_states import Triple
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
