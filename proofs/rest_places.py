@@ -50,6 +50,7 @@ from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.orbits.ball_steps import BallPolynomials
 from nonsmooth.proofs.system_decision import checked_point
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, border_parts, wave_border_parts
+from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.messages.under_way import tell_count
@@ -193,6 +194,14 @@ class _BallField:
             [row[j] + sum((row[n + k] * turn[j] for k, turn in enumerate(turns)), start=arb(0)) for j in range(n)]
             for row in rows
         ]
+
+    def exactly_at(self, place: Sequence[Number]) -> list[Number] | None:
+        """The rates at an exact place; None where a sine or the like is of something else than zero there."""
+        if any(wave.argument(place) for wave in self.stated.waves):
+            return None
+        one = self.stated.rates[0].field.one
+        waves = [one * (wave.kind in ONE_AT_ZERO) for wave in self.stated.waves]
+        return [rate([*place, *waves]) for rate in self.stated.rates]
 
 
 def _cell_equations(own: _BallField) -> Map:
@@ -595,11 +604,11 @@ class _Search:
         """The displacement as numbers, where it is simple and shown to be that zero."""
         numbers = [self._simple(own, c) for own, c in zip(x, self.centre, strict=True)]
         place = tuple(own for own in numbers if own is not None)
-        if len(place) < self.count or any(own.stated.waves for own in around):
+        if len(place) < self.count or any(self.surfaces[k](place) for k in chosen):
             return None
-        if any(self.surfaces[k](place) for k in chosen):
+        values = [rates for own in around if (rates := own.exactly_at(place)) is not None]
+        if len(values) < len(around):
             return None
-        values = [[rate(place) for rate in own.stated.rates] for own in around]
         if len(chosen) > 1:
             return place
         if not chosen:
@@ -622,10 +631,11 @@ class _Search:
         """
         if place.kind is RestKind.BOUNDARY:
             return None if place.exact is None else True
-        if place.exact is None:
-            return _balls_hold_zero([tuple(own.at(x)[0]) for own in around])  # type: ignore[misc]
         moved = at_place(self.system, place)
-        found = Equilibrium.UNDECIDED if moved is None else checked_point(moved).equilibrium
+        if moved is None:
+            here = [tuple(own.at(x)[0]) for own in around]
+            return _balls_hold_zero(here) if len(place.surfaces) == 2 else None  # type: ignore[arg-type]
+        found = checked_point(moved).equilibrium
         return None if found is Equilibrium.UNDECIDED else found is Equilibrium.HOLDS
 
 

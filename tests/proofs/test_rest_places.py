@@ -131,6 +131,13 @@ def test_a_pendulum_with_dry_friction_rests_near_both_verticals() -> None:
     assert not found["left"]
 
 
+def test_a_boundary_equilibrium_beside_a_sine() -> None:
+    """One side is zero at the surface: ``sin 0`` is exact."""
+    result = stated("sin(x)/2 - x + (1 - sign(x))/4", radius=1).equilibria()
+    assert [(own["exact"], own["where"][:12]) for own in result.rows()] == [("(0)", "on a surface")]
+    assert not result.found.left
+
+
 def test_irrational_equilibria_are_enclosed() -> None:
     """``x^3 = x + 1`` has no root that a formula of this program names."""
     (own,) = stated("x**3 - x - 1; x - y", radius=2).equilibria().facts()["places"]
