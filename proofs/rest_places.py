@@ -22,14 +22,12 @@ asked.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 from functools import partial
 from itertools import combinations, product
-from math import prod
-from typing import TypeAlias
 
 import numpy as np
 from flint import acb_mat, arb, arb_mat
@@ -37,20 +35,20 @@ from flint import acb_mat, arb, arb_mat
 from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.analysis.fields.convex_weights import shortest_mixture
 from nonsmooth.analysis.fields.stated_field import StatedField, stated_field, stated_fields
-from nonsmooth.proofs.boxes.enclosures import (
-    UNIT,
-    Map,
-    approximate_inverse,
-    isolated_zero,
-    krawczyk,
-    lies_inside,
-    newton,
-)
+from nonsmooth.proofs.boxes.all_zeros import FINEST, MOST_BOXES, Box, all_zeros, halves
+from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.orbits.ball_steps import BallPolynomials
+from nonsmooth.proofs.rest_equations import (
+    FieldInBalls,
+    cell_equations,
+    corner_equations,
+    in_direction,
+    on_border,
+    sliding_equations,
+)
 from nonsmooth.proofs.system_decision import checked_point
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, border_parts, wave_border_parts
-from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.messages.under_way import tell_count
@@ -65,26 +63,9 @@ from nonsmooth.symbolic.systems.switched_system import (
 
 MOST_SURFACES = 6  # 2^6 cells are looked at
 MOST_STATES = 4
-MOST_BOXES = 4_000  # that are looked at for the zeros of one set of equations
-SPLIT = 1 / 2 + 2.0**-5  # of a side: a zero in the middle is on no border of boxes then
-WIDER = 1 + 2.0**-3  # than a box is the one in which a zero is shown, so that one on its border is
-LEAST = 2.0**-40  # of the cube: by so much it is wider in any case
-MOST_SLENDER = 8  # the longest side over the shortest one
-FINEST = 2.0**-20  # of the cube: smaller boxes are left
 CLUSTER = 2.0**-10  # of the cube: in a smaller cluster of boxes that are left one place may rest
 ENDS = 2.0**-18  # of the cube: as near to the end of a stretch nothing is told apart from that
-NEWTON_STEPS = 6  # from the middle of a box in which a zero is isolated
 SIMPLE = 1_000  # denominators of coordinates that are tried
-SLOPES: dict[str, Callable[[arb, arb], arb]] = {  # from what a function is of, and its value
-    "sin": lambda v, value: v.cos(),
-    "cos": lambda v, value: -v.sin(),
-    "tanh": lambda v, value: 1 - value * value,
-    "atan": lambda v, value: 1 / (1 + v * v),
-    "exp": lambda v, value: value,
-}
-
-Box: TypeAlias = list[arb]
-Guards: TypeAlias = Sequence[Callable[[Sequence[arb]], arb]]  # positive where the equations are meant
 
 
 class RestKind(StrEnum):
@@ -163,204 +144,6 @@ def _require_few(system: SwitchedSystem) -> None:
         raise SceneError(system.origin, "system.rhs", expected, StatedFact("some"))
 
 
-# ---- fields, guards and equations in balls -------------------------------------------------------
-
-
-class _BallField:
-    """A field with its Jacobian."""
-
-    def __init__(self, stated: StatedField, states: Sequence[str]) -> None:
-        self.stated, self.count = stated, len(states)
-        slopes = [rate.derivative(name) for rate in stated.rates for name in stated.rates[0].variables]
-        self._all = BallPolynomials([*stated.rates, *slopes])
-        self._waves = [
-            (wave.kind, BallPolynomials([wave.argument, *(wave.argument.derivative(name) for name in states)]))
-            for wave in stated.waves
-        ]
-
-    def at(self, x: Sequence[arb]) -> tuple[list[arb], list[list[arb]]]:
-        """The rates (n,), and their derivatives (n, n), over a box."""
-        n, waves, turns = self.count, list[arb](), list[list[arb]]()
-        for kind, argument in self._waves:
-            v, *slopes = map(arb, argument(x))
-            value = getattr(v, kind)()
-            waves.append(value)
-            turns.append([SLOPES[kind](v, value) * slope for slope in slopes])
-        values = list(map(arb, self._all([*x, *waves])))
-        rates, rest = values[:n], values[n:]
-        width = n + len(waves)
-        rows = [rest[k * width : (k + 1) * width] for k in range(n)]
-        return rates, [
-            [row[j] + sum((row[n + k] * turn[j] for k, turn in enumerate(turns)), start=arb(0)) for j in range(n)]
-            for row in rows
-        ]
-
-    def exactly_at(self, place: Sequence[Number]) -> list[Number] | None:
-        """The rates at an exact place; None where a sine or the like is of something else than zero there."""
-        if any(wave.argument(place) for wave in self.stated.waves):
-            return None
-        one = self.stated.rates[0].field.one
-        waves = [one * (wave.kind in ONE_AT_ZERO) for wave in self.stated.waves]
-        return [rate([*place, *waves]) for rate in self.stated.rates]
-
-
-def _cell_equations(own: _BallField) -> Map:
-    """``f = 0``."""
-
-    def at(z: arb_mat) -> tuple[arb_mat, arb_mat]:
-        rates, slopes = own.at(z.entries())
-        return arb_mat([[rate] for rate in rates]), arb_mat(slopes)
-
-    return at
-
-
-def _sliding_equations(first: _BallField, second: _BallField, surface: BallPolynomials) -> Map:
-    """``l f + (1 - l) g = 0, s = 0`` in x and l."""
-
-    def at(z: arb_mat) -> tuple[arb_mat, arb_mat]:
-        *x, share = z.entries()
-        (f, f_slopes), (g, g_slopes) = first.at(x), second.at(x)
-        s, *normal = map(arb, surface(x))
-        values = [[b + share * (a - b)] for a, b in zip(f, g, strict=True)]
-        rows = [
-            [*(q + share * (p - q) for p, q in zip(own, other, strict=True)), a - b]
-            for own, other, a, b in zip(f_slopes, g_slopes, f, g, strict=True)
-        ]
-        return arb_mat([*values, [s]]), arb_mat([*rows, [*normal, arb(0)]])
-
-    return at
-
-
-def _on_border(around: Sequence[_BallField], surface: BallPolynomials, box: Box) -> Box | None:
-    """The part of a box of x and l in which all zeros are: a coordinate on ``s = 0``, and l by the speeds across it."""
-    *x, share = box
-    _, *normal = map(arb, surface(x))
-    k = max(range(len(x)), key=lambda j: abs(float(normal[j].mid())))
-    if not normal[k].contains(0):
-        middle = [*x[:k], arb(x[k].mid()), *x[k + 1 :]]
-        at_zero = middle[k] - arb(surface(middle)[0]) / normal[k]
-        if not at_zero.overlaps(x[k]):
-            return None
-        x[k] = x[k].intersection(at_zero)
-    first, second = (_dot(normal, own.at(x)[0]) for own in around)
-    if not (second - first).contains(0):
-        needed = second / (second - first)
-        if not needed.overlaps(share):
-            return None
-        share = share.intersection(needed)
-    return [*x, share]
-
-
-def _corner_equations(first: BallPolynomials, second: BallPolynomials) -> Map:
-    """``s = t = 0``."""
-
-    def at(z: arb_mat) -> tuple[arb_mat, arb_mat]:
-        (s, *s_slopes), (t, *t_slopes) = (list(map(arb, own(z.entries()))) for own in (first, second))
-        return arb_mat([[s], [t]]), arb_mat([s_slopes, t_slopes])
-
-    return at
-
-
-# ---- isolated zeros ------------------------------------------------------------------------------
-
-
-@dataclass
-class _Zeros:
-    """The zeros of a map in a box: where its guards may be positive, all of them are in what is found or left."""
-
-    found: list[Box] = field(default_factory=list)
-    regions: list[Box] = field(default_factory=list)  # in each of which there is one zero, that which is found
-    left: list[Box] = field(default_factory=list)
-
-
-def _zeros(equations: Map, guards: Guards, box: Box, narrow: Callable[[Box], Box | None]) -> _Zeros:
-    """All zeros in a box on which no guard is negative.
-
-    Args:
-        equations: the map.
-        guards: the guards.
-        box: the box.
-        narrow: a part of a box that holds all its zeros; None where there are none.
-    """
-    result, waiting, looked = _Zeros(), deque([box]), 0
-    sizes = [float(side.rad()) or 1.0 for side in box]
-    while waiting:
-        whole, looked = waiting.popleft(), looked + 1  # the largest first
-        part = None if any(bool(guard(whole) < 0) for guard in guards) else narrow(whole)
-        if part is None:
-            continue
-        own = _narrowed(whole, part, sizes)
-        wide = [a.mid() + (a.rad() * WIDER + size * LEAST) * UNIT for a, size in zip(own, sizes, strict=True)]
-        image, is_inside = _image(equations, wide)
-        if not all(a.overlaps(b) for a, b in zip(image, own, strict=True)):
-            continue
-        if is_inside:
-            _keep(result, _refined(equations, image, wide), wide, own)
-            continue
-        if looked > MOST_BOXES or max(float(a.rad()) / size for a, size in zip(own, sizes, strict=True)) < FINEST:
-            result.left.append(own)
-            continue
-        rest = _narrowed(own, image, sizes)
-        shrinks = prod(float(a.rad()) / (float(b.rad()) or 1.0) for a, b in zip(rest, whole, strict=True))
-        waiting += [rest] if shrinks < 1 / 4 else _halves(rest, sizes)
-    return result
-
-
-def _narrowed(box: Box, image: Box, sizes: Sequence[float]) -> Box:
-    """The part of a box in which all its zeros are, but not much narrower in one direction than in others."""
-    rest = [a.intersection(b) for a, b in zip(image, box, strict=True)]
-    least = max(float(a.rad()) / size for a, size in zip(rest, sizes, strict=True)) / MOST_SLENDER
-    wide = [a.union(a.mid() + least * size * UNIT) for a, size in zip(rest, sizes, strict=True)]
-    return [a.intersection(b) for a, b in zip(wide, box, strict=True)]
-
-
-def _image(equations: Map, box: Box) -> tuple[Box, bool]:
-    """Where all zeros of a box are, and whether there is one, no more; nowhere in it, if it holds none."""
-    column = arb_mat([[side] for side in box])
-    middle = arb_mat([[arb(side.mid())] for side in box])
-    over, here = equations(column), equations(middle)
-    if over is None or here is None:
-        return box, False
-    nearer = here[0] + over[1] * (column - middle)
-    if any(not a.contains(0) or not b.contains(0) for a, b in zip(over[0].entries(), nearer.entries(), strict=True)):
-        return [side.upper() + 1 for side in box], False
-    inverse = approximate_inverse(over[1])
-    if inverse is None:
-        return box, False
-    image = krawczyk(middle, here[0], inverse, over[1], column)
-    return list(image.entries()), lies_inside(image, column)
-
-
-def _refined(equations: Map, image: Box, region: Box) -> Box:
-    """A smaller box about the one zero in a box."""
-    centre = newton(equations, arb_mat([[side.mid()] for side in image]), NEWTON_STEPS)
-    found = None if centre is None else isolated_zero(equations, centre)
-    if found is None or not all(a.contains(b) for a, b in zip(region, found.entries(), strict=True)):
-        return image
-    return [a.intersection(b) for a, b in zip(image, found.entries(), strict=True)]
-
-
-def _keep(result: _Zeros, zero: Box, region: Box, box: Box) -> None:
-    """Note a zero that may lie in a box, unless it is known."""
-    if not all(a.overlaps(b) for a, b in zip(zero, box, strict=True)):
-        return
-    for known, other in zip(result.found, result.regions, strict=True):
-        if all(b.contains(a) for a, b in zip(zero, other, strict=True)) or all(
-            b.contains(a) for a, b in zip(known, region, strict=True)
-        ):
-            return
-    result.found.append(zero)
-    result.regions.append(region)
-
-
-def _halves(box: Box, sizes: Sequence[float]) -> list[Box]:
-    """Its two parts across the side that is longest beside that of the first box."""
-    k = max(range(len(box)), key=lambda j: float(box[j].rad()) / sizes[j])
-    low, high = box[k].lower(), box[k].upper()
-    cut = (low + (high - low) * SPLIT).mid()
-    return [[*box[:k], a.union(b), *box[k + 1 :]] for a, b in ((low, cut), (cut, high))]
-
-
 # ---- the search over cells, surfaces and corners -------------------------------------------------
 
 
@@ -381,7 +164,7 @@ class _Search:
         self._with_slopes = [
             BallPolynomials([own, *(own.derivative(name) for name in system.states)]) for own in self.surfaces
         ]
-        self._fields: dict[tuple[int, ...], _BallField] = {}
+        self._fields: dict[tuple[int, ...], FieldInBalls] = {}
         self.found: list[RestPlace] = []
         self.stretches = list(self._stretches())
         self.left: list[tuple[arb, ...]] = []
@@ -401,12 +184,12 @@ class _Search:
         boxes = [self.stated([own.ball() + near for own in end]) for end in ends]
         return any(all(a.overlaps(b) for a, b in zip(box, place, strict=True)) for box in boxes)
 
-    def field(self, signs: tuple[int, ...]) -> _BallField:
+    def field(self, signs: tuple[int, ...]) -> FieldInBalls:
         """The field where the surfaces have these signs."""
         if signs not in self._fields:
             sign_of = signs_by_factors(dict(zip(self.surfaces, signs, strict=True)))
             stated = stated_field(self.system, self.system.states, sign_of)
-            self._fields[signs] = _BallField(stated, self.system.states)
+            self._fields[signs] = FieldInBalls(stated, self.system.states)
         return self._fields[signs]
 
     def value(self, k: int, x: Sequence[arb]) -> arb:
@@ -428,16 +211,16 @@ class _Search:
             guards = [lambda z, k=k, side=side: self.value(k, z[: self.count]) * side for k, side in signs.items()]
             box = [self.radius.ball() * UNIT for _ in range(self.count)]
             if not chosen:
-                equations = _cell_equations(around[0])
+                equations = cell_equations(around[0])
             elif len(chosen) == 1:
                 if self._rests_along(chosen[0], around):
                     continue
-                equations = _sliding_equations(around[0], around[1], self._with_slopes[chosen[0]])
+                equations = sliding_equations(around[0], around[1], self._with_slopes[chosen[0]])
                 box = [*box, (1 + UNIT) / 2]
             else:
-                equations = _corner_equations(*(self._with_slopes[k] for k in chosen))
-            narrow = partial(_on_border, around, self._with_slopes[chosen[0]]) if len(chosen) == 1 else list
-            zeros = _zeros(equations, guards, box, narrow)
+                equations = corner_equations(*(self._with_slopes[k] for k in chosen))
+            narrow = partial(on_border, around, self._with_slopes[chosen[0]]) if len(chosen) == 1 else list
+            zeros = all_zeros(equations, guards, box, narrow)
             self.left += [self.stated(own[: self.count]) for own in zeros.left]
             for zero in zeros.found:
                 self._note(chosen, signs, around, zero)
@@ -460,7 +243,7 @@ class _Search:
             if looked > MOST_BOXES or float(box[0].rad()) < FINEST * float(self.radius):
                 self.left.append(self.stated(box))
             else:
-                waiting += _halves(box, [1.0] * self.count)
+                waiting += halves(box, [1.0] * self.count)
 
     def look_in_clusters(self) -> None:
         """Note simple places that rest in small clusters of boxes that are left, as where zeros are not simple."""
@@ -482,14 +265,14 @@ class _Search:
     def _sides(chosen: Sequence[int]) -> Iterator[tuple[int, ...]]:
         return product((1, -1), repeat=len(chosen))
 
-    def _field_of(self, signs: dict[int, int]) -> _BallField:
+    def _field_of(self, signs: dict[int, int]) -> FieldInBalls:
         return self.field(tuple(signs[k] for k in range(len(self.surfaces))))
 
-    def _is_no_border(self, around: Sequence[_BallField]) -> bool:
+    def _is_no_border(self, around: Sequence[FieldInBalls]) -> bool:
         """Whether the fields on the sides of what is held are one."""
         return all(own.stated == around[0].stated for own in around)
 
-    def _rests_along(self, k: int, around: Sequence[_BallField]) -> bool:
+    def _rests_along(self, k: int, around: Sequence[FieldInBalls]) -> bool:
         """Whether both fields are parallel all along a line in the plane, where stretches of rest say all."""
         surface = self.surfaces[k]
         if not self.system.is_planar or surface.degree > 1:
@@ -523,7 +306,7 @@ class _Search:
     # ---- what a zero is ------------------------------------------------------------------
 
     def _note(
-        self, chosen: tuple[int, ...], signs: dict[int, int], around: Sequence[_BallField], zero: Sequence[arb]
+        self, chosen: tuple[int, ...], signs: dict[int, int], around: Sequence[FieldInBalls], zero: Sequence[arb]
     ) -> None:
         """Take a zero for the place of rest that it is; where that is not known, its box is left."""
         x, share = zero[: self.count], zero[self.count :]
@@ -568,7 +351,7 @@ class _Search:
     def _regular(
         self,
         chosen: tuple[int, ...],
-        around: Sequence[_BallField],
+        around: Sequence[FieldInBalls],
         x: Sequence[arb],
         share: Sequence[arb],
         exact: Sequence[Number] | None,
@@ -580,16 +363,16 @@ class _Search:
             return replace(found, stability=_stability(matrix), shape=_shape(matrix))
         (f, f_slopes), (g, g_slopes) = (own.at(x) for own in around)
         normal = list(map(arb, self._with_slopes[chosen[0]](x)[1:]))
-        out_of_first = _dot(normal, f)  # the first field acts where the surface is positive
+        out_of_first = in_direction(normal, f)  # the first field acts where the surface is positive
         kind = RestKind.SLIDING if out_of_first < 0 else RestKind.REPELLING
-        across = _dot(normal, [a - b for a, b in zip(f, g, strict=True)])
+        across = in_direction(normal, [a - b for a, b in zip(f, g, strict=True)])
         if not (out_of_first < 0 or out_of_first > 0) or across.contains(0):
             return self._place(x, exact, RestKind.BOUNDARY, chosen)
         mixed = [
             [q + share[0] * (p - q) for p, q in zip(own, other, strict=True)]
             for own, other in zip(f_slopes, g_slopes, strict=True)
         ]
-        falls = [_dot(normal, [row[j] for row in mixed]) / across for j in range(self.count)]
+        falls = [in_direction(normal, [row[j] for row in mixed]) / across for j in range(self.count)]
         sliding = [
             [own[j] - (a - b) * falls[j] for j in range(self.count)] for own, a, b in zip(mixed, f, g, strict=True)
         ]
@@ -599,7 +382,7 @@ class _Search:
         return replace(found, stability=stability, shape=_sliding_shape(matrix, kind))
 
     def _exact(
-        self, chosen: tuple[int, ...], around: Sequence[_BallField], x: Sequence[arb]
+        self, chosen: tuple[int, ...], around: Sequence[FieldInBalls], x: Sequence[arb]
     ) -> tuple[Number, ...] | None:
         """The displacement as numbers, where it is simple and shown to be that zero."""
         numbers = [self._simple(own, c) for own, c in zip(x, self.centre, strict=True)]
@@ -624,7 +407,7 @@ class _Search:
         guess = self.system.field.rational(Fraction(float(stated.mid())).limit_denominator(SIMPLE))
         return guess - centre if stated.contains(guess.ball()) or stated.overlaps(guess.ball()) else None
 
-    def _holds_zero(self, place: RestPlace, around: Sequence[_BallField], x: Sequence[arb]) -> bool | None:
+    def _holds_zero(self, place: RestPlace, around: Sequence[FieldInBalls], x: Sequence[arb]) -> bool | None:
         """Whether 0 is in F; None where that is not known.
 
         Of a field that is zero on one surface it is; where more surfaces meet, by all cells that do.
@@ -673,10 +456,6 @@ def _clusters(boxes: Sequence[Sequence[arb]]) -> list[Box]:
 
 def _sign(value: arb) -> int:
     return 1 if value > 0 else -1 if value < 0 else 0
-
-
-def _dot(first: Sequence[arb], second: Sequence[arb]) -> arb:
-    return sum((a * b for a, b in zip(first, second, strict=True)), start=arb(0))
 
 
 def _cross(first: StatedField, second: StatedField) -> Polynomial:
@@ -741,7 +520,7 @@ def _lead_one_way(vectors: Sequence[Sequence[arb]]) -> bool:
     if weights is None or not np.isfinite(middles).all():
         return False
     direction = [arb(entry) for entry in (weights @ middles).tolist()]
-    return all(bool(_dot(direction, own) > 0) for own in vectors)
+    return all(bool(in_direction(direction, own) > 0) for own in vectors)
 
 
 def _on_surface(matrix: Sequence[Sequence[arb]], normal: Sequence[arb]) -> list[list[arb]]:
