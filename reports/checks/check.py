@@ -140,7 +140,9 @@ class CheckStudy(SceneStudy[CheckOptions]):
                 require_tolerances(scene)
             if scene.kind is SceneKind.SYSTEM:
                 _require_array(scene, f"--rule {ALL_RULES}" * (options.rule == ALL_RULES), "a plain system")
-                _require_array(scene, "--at auto" * (options.at == AUTO), "a plain system, of which equilibria finds them")
+                _require_array(
+                    scene, "--at auto" * (options.at == AUTO), "a plain system, of which equilibria finds them"
+                )
                 unused = next((flag for name, flag in OF_ARRAYS.items() if name in asked.given), "")
                 _require_array(scene, unused, "a plain switched system")
         if len(scenes) > 1:
