@@ -272,6 +272,8 @@ class Case:
             return
         try:
             yield from family(scene)
+        except LeftOut as reason:
+            yield refused(self.name, "", reason, expected=True)
         except Exception as fault:
             reason = f"{type(fault).__name__}: {' '.join(str(fault).split())}"
             yield ResultRow(self.name, "", Outcome.FAULT, ok=False, note=reason)

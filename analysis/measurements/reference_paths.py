@@ -25,9 +25,11 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.switched_cells import fields_by_signs
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.norm_zeros import NormField
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
+from nonsmooth.analysis.measurements.harness import LeftOut
 from nonsmooth.analysis.trajectories.result import EndReason, Event, EventKind, State, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
@@ -343,8 +345,14 @@ def measured_array(partition: Partition, kinematics: Kinematics) -> MeasuredFiel
 
 
 def measured_system(scene: SwitchedSystem) -> MeasuredField:
-    """A plain system, followed by the general integrator."""
+    """A plain system, followed by the general integrator.
+
+    Raises:
+        LeftOut: for one that divides by norms, of which no reference is at hand where these are zero.
+    """
     field, radius = system_field(scene, centred=True), scene.check.half_width
+    if isinstance(field, NormField):
+        raise LeftOut("no reference path where a norm that is divided by is zero")
     exact = constant_system(scene)
     return MeasuredField(field, system_pieces(scene), exact, radius, (0.0, 0.0), SURFACE_SLACK * radius)
 
