@@ -41,6 +41,7 @@ DECIDED = {
     "y; 1 - sqrt((x + 1)**2 + y**2) - y": ATTRACTS,
     "x/4 + y - 2*x/S; z - 2*y/S; x - 2*z/S".replace("S", "sqrt(x**2 + y**2 + z**2)"): ATTRACTS,
     "-x/sqrt(x**2 + 1)": ATTRACTS,
+    "y - x/sqrt(x**2 + z**2/3 + 2); -x - y; -z": ATTRACTS,  # a norm that is irrational at the point, in three states
     f"x/{N}; y/{N}; -z": LEAVES,  # four planes meet in a line
     "-2*x**3/sqrt(x**6)": ATTRACTS,
     f"sqrt(2)*y*{N} - x; -sqrt(3)*y": ATTRACTS,
