@@ -219,6 +219,7 @@ def test_a_norm_that_cancels_leaves_an_exact_field() -> None:
         ("sqrt(x**2 + 1)*sqrt(x**2 + 2)*sqrt(x**2 + 3)*sqrt(y**2 + 4); -y", "at most 3 different roots"),
         ("-z/sqrt(x**2 + y**2); -y/sqrt(x**2 + y**2); -z", "not zero at the checked point"),
         ("-x/(z + sqrt(x**2 + y**2)); -y; -z", "not zero at the checked point"),
+        ("-x*sqrt(sin(x)**2 + y**2); -y", "without functions such as sin, received"),
     ],
 )
 def test_other_roots_and_other_places_are_refused(text: str, said: str) -> None:
