@@ -509,13 +509,11 @@ def region_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterator
         return
     level = float(region.level)
     before, after = (potential_values(function.result.cells, places) for places in (seen.starts, seen.ends))
-    bound = np.array(before, dtype=float)
-    if rate is not None:
-        kappa = float(rate.kappa)
-        finite = rate.decay.name == "FINITE"
-        bound = np.maximum(bound - kappa * seen.until, 0) if finite else bound * np.exp(-kappa * seen.until)
+    is_below = before < level
+    begin = np.where(is_below, before, 0)
+    bound = begin if rate is None else rate.decay.after(begin, float(rate.kappa) * seen.until)
     high = ~np.isfinite(after) | (after > bound * (1 + ELSEWHERE) + ELSEWHERE * level)
-    grown = (before < level) & finite_rows(seen.ends) & high
+    grown = is_below & finite_rows(seen.ends) & high
     for k in np.flatnonzero(grown)[:1]:
         fast = "" if rate is None else f", {rate}"
         said = f"{result.verdict}: every start with {region} reaches the point{fast}"

@@ -20,6 +20,7 @@ from .work import BUDGET, items, rational, require, whole
 
 MAX_OTHERS = 4  # functions beside V
 MAX_TERMS, MAX_FACTORS, MAX_POWER, MAX_PLACES = 16, 8, 20, 64
+THEN = " then "  # between the name of a place and the path of a step
 
 
 class Bound:
@@ -123,13 +124,17 @@ class Chain(Lyapunov):
         have.  On a face where a function bends all fields have a common bound: r is the rate of their mixtures that are
         tangent to it.
         """
+        for name, place, cells in self.first_places():
+            self.show_step(name, (), place, cells)
+
+    def first_places(self) -> Iterator[tuple[str, Face, Sequence[Cell]]]:
+        """Each field on its cell, and each face on which a function bends, with its name and the cells beside it."""
         space = whole_domain(self.inclusion)
         for cell in self.inclusion.cells:
             for number, field in cell.fields:
-                name = f"cell {pattern(cell.signs)} field {number}"
-                self.show_step(name, (), space, [replace(cell, fields=((number, field),))])
+                yield f"cell {pattern(cell.signs)} field {number}", space, [replace(cell, fields=((number, field),))]
         for face, name, cells in self.bends:
-            self.show_step(f"face {name}", (), face, cells)
+            yield f"face {name}", face, cells
 
     def show_step(self, name: str, path: tuple[int, ...], place: Face, cells: Sequence[Cell]) -> None:
         """One step at one place, and those that follow from it.
@@ -197,7 +202,7 @@ class Chain(Lyapunov):
 
 def step_name(name: str, path: Sequence[int]) -> str:
     """The name of a claim of a step at a place."""
-    return f"{name} then {'.'.join(map(str, path))}" if path else name
+    return f"{name}{THEN}{'.'.join(map(str, path))}" if path else name
 
 
 def common_signs(cells: Sequence[Cell]) -> SurfaceSigns:

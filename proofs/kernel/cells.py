@@ -577,6 +577,9 @@ def _is_positive_formula(
         rho = fmpq(1) if radius is None else rational(radius)
         for signs in patterns(surfaces, radius):
             (piece,) = asked.velocity(signs_by_factors(dict(zip(surfaces, signs, strict=True))), states)
+            start = piece.at_origin
+            if start.as_rational() is None and start.sign() > 0:  # as a norm is that is irrational at the point
+                piece *= 1 / start
             guards = tuple(scaled(rational_terms(s * e), rho) for s, e in zip(surfaces, signs, strict=True))
             condition = Condition(scaled(rational_terms(piece), rho), {}, guards, bounds, count, at_origin=not vanishes)
             if prove_positive(condition) is None:

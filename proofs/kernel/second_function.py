@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion, System
-from nonsmooth.proofs.checker.invariance import MAX_OTHERS, Bound, Chain, common_signs
+from nonsmooth.proofs.checker.invariance import MAX_OTHERS, THEN, Bound, Chain, common_signs
 from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
@@ -149,11 +149,19 @@ class Survey(Chain):
     ) -> None:
         self.system, self.stated = system, cells
         super().__init__(Inclusion(system, dict(cells), [function, *others], search), search, {})
-        self.below = below
+        self.below, self.failed = below, {own.split(THEN)[0] for own in search.missed}
         self.left: list[tuple[Cell, Samples]] = []
         if any(_mixtures(place, cells) > MOST_MIXTURES for place, _, cells in self.bends):
             raise NotShownError("too many mixtures of velocities that slide on a face")
         self.show_chain()
+
+    def show_chain(self) -> None:
+        """The chain; places at which other functions failed are looked at first, as this one fails there soonest."""
+        for name, place, cells in self.first_places():
+            if name in self.failed:
+                self.show_step(name, (), place, cells)
+        self.left, self.zeros = [], {}
+        super().show_chain()
 
     def leave(self, name: str, place: Face, cells: Sequence[Cell]) -> None:
         """Note a place at which all functions may stay constant."""

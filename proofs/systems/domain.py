@@ -135,6 +135,17 @@ class DecayKind(StrEnum):
         """``V' <= -kappa V^p``."""
         return f"V' <= -{times(kappa, self.value) if self.power else kappa}"
 
+    def after(self, begin: Floats, fallen: float) -> Floats:
+        """The largest values of V at a time t, of solutions that began with some and stay where the inequality holds.
+
+        Args:
+            begin: the values at the start.
+            fallen: ``kappa t``.
+        """
+        if self is DecayKind.FINITE:
+            return np.maximum(begin - fallen, 0)
+        return begin * np.exp(-fallen) if self is DecayKind.EXPONENTIAL else begin / (1 + begin * fallen)
+
     def on_starts(self, kappa: Fraction, starts: str) -> str:
         """What the inequality says of starts whose solutions stay where it holds."""
         if self is DecayKind.FINITE:

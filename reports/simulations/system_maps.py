@@ -259,15 +259,21 @@ def mapped(portrait: PhasePortrait, count: int, until: float) -> SystemMap:
 
 
 def _followed(portrait: PhasePortrait, starts: Floats, until: float, report: ProgressCall) -> Iterator[Floats]:
-    """The last place of every path; not a number where it is not followed to the last time."""
+    """The last place of every path; not a number where it is not followed to the last time.
+
+    At a point where a denominator is zero the field has no value: a path that has come to it ends there early, and is
+    known to stay if the point is proved to be stable.
+    """
     field = system_field(portrait.system, starts.max(axis=0), centred=True)
     meter = WorkMeter(max(MAX_WORK, WORK_OF_A_START * len(starts)))
+    stays = portrait.stability.verdict in {Translation.STABLE, Translation.ASYMPTOTICALLY_STABLE}
     for k, start in enumerate(starts):
         report(k, len(starts))
         try:
             end = simulate(field, tuple(start), until, meter=meter).end
         except (TrajectoryError, RefusalError):
-            yield np.full(2, np.nan)
-            continue
-        is_cut_short = end.reason in UNFINISHED
-        yield np.full(2, np.nan) if is_cut_short else np.array(end.state, float)
+            place, is_cut_short = start, True
+        else:
+            place, is_cut_short = np.array(end.state, float), end.reason in UNFINISHED
+        has_come = norms(place) <= SAME * portrait.system.check.half_width
+        yield np.full(2, np.nan) if is_cut_short and not (stays and has_come) else place

@@ -249,7 +249,7 @@ def _value_at(square: ast.expr, point: Mapping[str, Fraction | None]) -> Fractio
     try:
         return Fraction(RATIONAL.value(square, point))
     except (TypeError, KeyError):
-        expected = "sums of squares under roots that are rational at the checked point"
+        expected = "sums of squares under roots that are rational at the checked point, without functions such as sin"
         raise ExpressionError(f"required {expected}, received {shown(written(square))}") from None
 
 

@@ -41,6 +41,7 @@ DECIDED = {
     "y; 1 - sqrt((x + 1)**2 + y**2) - y": ATTRACTS,
     "x/4 + y - 2*x/S; z - 2*y/S; x - 2*z/S".replace("S", "sqrt(x**2 + y**2 + z**2)"): ATTRACTS,
     "-x/sqrt(x**2 + 1)": ATTRACTS,
+    "y - x/sqrt(x**2 + z**2/3 + 2); -x - y; -z": ATTRACTS,  # a norm that is irrational at the point, in three states
     f"x/{N}; y/{N}; -z": LEAVES,  # four planes meet in a line
     "-2*x**3/sqrt(x**6)": ATTRACTS,
     f"sqrt(2)*y*{N} - x; -sqrt(3)*y": ATTRACTS,
@@ -218,6 +219,7 @@ def test_a_norm_that_cancels_leaves_an_exact_field() -> None:
         ("sqrt(x**2 + 1)*sqrt(x**2 + 2)*sqrt(x**2 + 3)*sqrt(y**2 + 4); -y", "at most 3 different roots"),
         ("-z/sqrt(x**2 + y**2); -y/sqrt(x**2 + y**2); -z", "not zero at the checked point"),
         ("-x/(z + sqrt(x**2 + y**2)); -y; -z", "not zero at the checked point"),
+        ("-x*sqrt(sin(x)**2 + y**2); -y", "without functions such as sin, received"),
     ],
 )
 def test_other_roots_and_other_places_are_refused(text: str, said: str) -> None:

@@ -187,6 +187,32 @@ def test_where_something_stays_nothing_is_found(name: str) -> None:
     assert certificate(*STAYING[name]) is None
 
 
+def test_places_at_which_other_functions_failed_are_looked_at_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is found is the same."""
+    system, energy = built(["y", "-sign(x) - y"], states=["x", "y"]), "Abs(x) + y**2/2"
+    bends = surfaces_of(system, parse_piecewise(energy, system.states))
+    cells = stated_cells(system, system.check.radius, bends).record
+    subject, asked, show = read_system(about(system)), list[str](), Search.show
+
+    def noted(search: Search, claim: Claim) -> None:
+        asked.append(claim.name)
+        show(search, claim)
+
+    monkeypatch.setattr(Search, "show", noted)
+    found = find_second(subject, cells, energy, Search())
+    names = [name for name in asked if name.startswith("cell")]
+    last = max(set(names), key=names.index)
+    assert found is not None
+    assert names[0] != last
+    search = Search()
+    search.missed[last] = Claim(last, (), strict=True)
+    asked.clear()
+    assert find_second(subject, cells, energy, search) == found
+    first = next(name for name in asked if name.startswith("cell"))
+    assert last.startswith(first)
+    assert not names[0].startswith(first)
+
+
 @pytest.mark.parametrize("count", keep(1, [8, 30]))
 def test_random_dissipative_systems_against_observability(count: int) -> None:
     known: Counter[tuple[bool, bool]] = Counter()

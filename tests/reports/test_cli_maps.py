@@ -24,6 +24,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.sampling import sample_field
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.findings import Translation
+from nonsmooth.proofs.systems.domain import DecayKind
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.figures.style import lay_out
@@ -238,6 +239,31 @@ def test_a_path_that_contradicts_the_proof_makes_the_verdict_undecided(found: Sy
     assert "is at (0.2, 0.1) at t = 6" in one.sides[1]
     assert (planted.exit_status, planted.facts()["verdict"]) == (3, "undecided")
     assert planted.facts()["contradictions"][0]["sides"] == list(one.sides)
+
+
+@pytest.mark.parametrize("damping", ["x**2", "sqrt(x**2 + y**2)"])
+def test_paths_that_come_home_like_a_power_of_time_contradict_nothing(damping: str) -> None:
+    """V falls like ``V0/(1 + kappa V0 t)`` at least: much slower than any exponential."""
+    system = ns.System(("x", "y"), [f"y - x*{damping}", f"-x - y*{damping}"], radius="1/2")
+    shown = system.map(4, until=30.0)
+    assert isinstance(shown, SystemMap)
+    reach = shown.portrait.stability.reach
+    assert reach.rate is not None
+    assert reach.rate.decay is DecayKind.ALGEBRAIC
+    assert shown.contradictions == ()
+    planted = replace(shown, ends=0.9 * shown.starts)
+    assert [one.between for one in planted.contradictions] == ["region and map"]
+
+
+@pytest.mark.parametrize("size", ["sqrt(x**2 + y**2)", "(Abs(x) + Abs(y))"])
+@pytest.mark.parametrize(("sign", "kind"), [("-", Whereabouts.ARRIVED), ("", Whereabouts.OUTSIDE)])
+def test_paths_come_to_a_point_where_a_denominator_is_zero(size: str, sign: str, kind: Whereabouts) -> None:
+    """They arrive within half a unit of time; the start at the point itself is followed only if the point is stable."""
+    shown = ns.System(("x", "y"), [f"{sign}x/{size}", f"{sign}y/{size}"]).map(3, until=1.0)
+    assert isinstance(shown, SystemMap)
+    beside = [own for start, own in zip(shown.starts, shown.whereabouts, strict=True) if start.any()]
+    assert set(beside) == {kind}
+    assert shown.whereabouts[4] is (kind if sign else Whereabouts.LOST)
 
 
 def test_a_system_that_arrives_is_not_unstable(monkeypatch: pytest.MonkeyPatch) -> None:
