@@ -272,8 +272,8 @@ class Case:
             return
         try:
             yield from family(scene)
-        except LeftOut as reason:
-            yield refused(self.name, "", reason, expected=True)
+        except LeftOut as omitted:
+            yield refused(self.name, "", omitted, expected=True)
         except Exception as fault:
             reason = f"{type(fault).__name__}: {' '.join(str(fault).split())}"
             yield ResultRow(self.name, "", Outcome.FAULT, ok=False, note=reason)
