@@ -94,11 +94,7 @@ class Lyapunov:
         found = self.inclusion.along(field, own, cell)
         if self.inside is not None:
             return found + found * self.inside + lie_derivative(self.inside, field)
-        return found if self.bottom is None else found * self.bottom - own * self.bottom_rate(self.bottom, field)
-
-    def bottom_rate(self, bottom: Polynomial, field: Sequence[Polynomial]) -> Polynomial:
-        """The derivative of the denominator along a field."""
-        return lie_derivative(bottom, field)
+        return found if self.bottom is None else found * self.bottom - own * lie_derivative(self.bottom, field)
 
     def above(self, cell: Cell, level: Fraction) -> Polynomial:
         """``V - level``, times the denominator."""

@@ -437,14 +437,6 @@ class Functions(Lyapunov):
         found: tuple[Polynomial, ...] = self._known[key]
         return found
 
-    def bottom_rate(self, bottom: Polynomial, field: Sequence[Polynomial]) -> Polynomial:
-        """The derivative of the denominator along a field, which is the same for all functions."""
-        key = bottom, id(field)
-        if key not in self._known:
-            self._known[key] = super().bottom_rate(bottom, field)
-        found: Polynomial = self._known[key]
-        return found
-
     def claims(self, number: int = 0, *, positive: bool = True, strict: bool = True) -> list[Claim]:
         """What Lyapunov's theorem asks of a function: that it is positive, and that it falls."""
         self.number = number
