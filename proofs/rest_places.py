@@ -107,7 +107,8 @@ class RestPlaces:
         places: those that are alone, from the nearest to the checked point on.
         stretches: in the plane, parts of straight borders on which every place rests; their ends, too, as nearly as
             they are known, a millionth of the cube.
-        left: boxes, in coordinates of the states, in which it is not known whether any place rests, or how many.
+        left: boxes, in coordinates of the states, in which it is not known what rests, or how many places; those of
+            a small cluster are one.
     """
 
     places: tuple[RestPlace, ...]
@@ -133,7 +134,7 @@ def rest_places(system: SwitchedSystem) -> RestPlaces:
     search.look_in_clusters()
     found = sorted(search.found, key=lambda own: sum(float(c) ** 2 for c in search.displaced(own.place)))
     left = [box for box in search.left if not search.is_at_end(box, ENDS)]
-    return RestPlaces(tuple(found), tuple(search.stretches), tuple(left))
+    return RestPlaces(tuple(found), tuple(search.stretches), tuple(_joined_boxes(left, float(system.check.radius))))
 
 
 def _require_few(system: SwitchedSystem) -> None:
@@ -220,7 +221,7 @@ class _Search:
             else:
                 equations = corner_equations(*(self._with_slopes[k] for k in chosen))
             narrow = partial(on_border, around, self._with_slopes[chosen[0]]) if len(chosen) == 1 else list
-            zeros = all_zeros(equations, guards, box, narrow)
+            zeros = all_zeros(equations, guards, box, narrow, self.count)
             self.left += [self.stated(own[: self.count]) for own in zeros.left]
             for zero in zeros.found:
                 self._note(chosen, signs, around, zero)
@@ -247,12 +248,11 @@ class _Search:
 
     def look_in_clusters(self) -> None:
         """Note simple places that rest in small clusters of boxes that are left, as where zeros are not simple."""
-        most = self.radius.ball() * CLUSTER
-        for hull in _clusters(self.left):
+        for hull in filter(partial(_is_small, float(self.radius)), _clusters(self.left)):
             x = self.displaced(hull)
             simple = [self._simple(own, c) for own, c in zip(x, self.centre, strict=True)]
             exact = tuple(own for own in simple if own is not None)
-            if any(not x.rad() < most for x in hull) or len(exact) < self.count:
+            if len(exact) < self.count:
                 continue
             on = [k for k, surface in enumerate(self.surfaces) if not surface(exact)]
             kind = RestKind.CORNER if len(on) > 1 else RestKind.BOUNDARY if on else RestKind.CELL
@@ -449,6 +449,17 @@ def _clusters(boxes: Sequence[Sequence[arb]]) -> list[Box]:
                 apart.append(hull)
         hulls = [*apart, own]
     return hulls
+
+
+def _is_small(radius: float, hull: Box) -> bool:
+    return all(float(x.rad()) < radius * CLUSTER for x in hull)
+
+
+def _joined_boxes(boxes: Sequence[tuple[arb, ...]], radius: float) -> list[tuple[arb, ...]]:
+    """Boxes, those of a small cluster as one."""
+    hulls = [hull for hull in _clusters(boxes) if _is_small(radius, hull)]
+    apart = [box for box in boxes if not any(all(map(arb.overlaps, box, hull)) for hull in hulls)]
+    return [*map(tuple, hulls), *apart]
 
 
 # ---- vectors and matrices ------------------------------------------------------------------------

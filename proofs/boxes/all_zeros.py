@@ -46,7 +46,7 @@ class Zeros:
     left: list[Box] = field(default_factory=list)
 
 
-def all_zeros(equations: Map, guards: Guards, box: Box, narrow: Callable[[Box], Box | None]) -> Zeros:
+def all_zeros(equations: Map, guards: Guards, box: Box, narrow: Callable[[Box], Box | None], shown: int) -> Zeros:
     """All zeros in a box on which no guard is negative.
 
     Args:
@@ -54,6 +54,7 @@ def all_zeros(equations: Map, guards: Guards, box: Box, narrow: Callable[[Box], 
         guards: the guards.
         box: the box.
         narrow: a part of a box that holds all its zeros; None where there are none.
+        shown: how many sides of a box, the first ones, are told apart: where these are small it is left.
     """
     result, waiting, looked = Zeros(), deque([box]), 0
     sizes = [float(side.rad()) or 1.0 for side in box]
@@ -70,7 +71,8 @@ def all_zeros(equations: Map, guards: Guards, box: Box, narrow: Callable[[Box], 
         if is_inside:
             _keep(result, _refined(equations, image, wide), wide, own)
             continue
-        if looked > MOST_BOXES or max(float(a.rad()) / size for a, size in zip(own, sizes, strict=True)) < FINEST:
+        longest = max(float(a.rad()) / size for a, size in zip(own[:shown], sizes, strict=False))
+        if looked > MOST_BOXES or longest < FINEST:
             result.left.append(own)
             continue
         rest = _narrowed(own, image, sizes)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -114,8 +114,9 @@ class EquilibriaResult(Result):
             said = "No other place rests" if self.found.places or self.found.stretches else "No place rests"
             return [f"{said} {square}."]
         first = self.found.left[0]
-        near = place_text([float(x) for x in first], 4)
-        return [f"Not known {square}: what rests in {len(self.found.left)} small boxes, one of them about {near}."]
+        near, count = place_text([float(x) for x in first], 4), len(self.found.left)
+        where = f"a small box about {near}" if count == 1 else f"{count} small boxes, one of them about {near}"
+        return [f"Not known {square}: what else rests in {where}."]
 
     def summary(self) -> str:
         """How many places."""
@@ -198,25 +199,30 @@ class Equilibria(SceneStudy[Options]):
         """Find them."""
         with refusals_named(scene):
             found = rest_places(scene)
-        verdicts = []
+        verdicts, everywhere = [], False
         for number, own in enumerate(found.places):
             with part_of(number, len(found.places), "places"):
-                verdicts.append(_verdict(scene, own))
+                stability, by, attracts_all = _verdict(scene, own)
+            verdicts.append((stability, by))
+            everywhere |= attracts_all
+        if everywhere:  # every start comes to one place, so that nothing else rests
+            found = replace(found, left=())
         return EquilibriaResult(scene, found, tuple(verdicts))
 
 
-def _verdict(system: SwitchedSystem, own: RestPlace) -> tuple[Translation, str]:
-    """The stability of a place, and what decides it."""
+def _verdict(system: SwitchedSystem, own: RestPlace) -> tuple[Translation, str, bool]:
+    """The stability of a place, what decides it, and whether every start is known to come to it."""
     if own.stability is not Translation.UNDECIDED:
-        return own.stability, LINEARIZED
+        return own.stability, LINEARIZED, False
     moved = at_place(system, own)
     if moved is None:
-        return Translation.UNDECIDED, ""
+        return Translation.UNDECIDED, "", False
     try:
         result = decide_system(moved)
     except SceneError:
-        return Translation.UNDECIDED, ""
-    return result.verdict, str(result.method)
+        return Translation.UNDECIDED, "", False
+    attracts = result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    return result.verdict, str(result.method), attracts and result.reach.everywhere
 
 
 EQUILIBRIA = Equilibria()
