@@ -166,3 +166,36 @@ def test_measurements_leave_out_paths_without_a_reference() -> None:
     assert "norm" in system.precision(study="paths", runs=1).to_dict()["studies"][0]["left_out"]
     rows = [row for row in system.stress().rows() if row["case"] in ("scales", "starts", "switches")]
     assert [row["verdict"] for row in rows] == ["refused"] * 3
+
+
+@pytest.mark.parametrize("seed", keep(3, [5, 9, 0, 2, 6, 8, 11]))
+def test_two_unit_controls_and_a_relay_are_limits_of_boundary_layers(seed: int) -> None:
+    """Zeros of two norms and a surface, met one after the other, kept to together and left."""
+    drawn = np.random.default_rng(1000 + seed)
+    a = np.round(drawn.uniform(-1, 1, (5, 5)) * 8) / 8 - np.eye(5) / 2
+    c = np.round(drawn.uniform(-1, 1, 5) * 4) / 8
+    w = np.vstack([np.round(drawn.uniform(-1, 1, (2, 5)) * 8) / 8 for _ in range(2)])
+    relay = np.round(drawn.uniform(-1, 1, 5) * 8) / 8
+    gains = np.repeat(np.round(drawn.uniform(0.5, 2, 2) * 4) / 4, 2)
+    b = -np.round(np.linalg.pinv(w) * 16) / 8 * gains
+    jump = np.round(drawn.uniform(-1, 1, 5) * 4) / 8
+    start = drawn.integers(-8, 9, 5) / 8
+
+    names = list("abcde")
+    *outputs, switch = [" + ".join(f"({v})*{name}" for v, name in zip(own, names, strict=True)) for own in [*w, relay]]
+    sizes = [f"sqrt(({outputs[j]})**2 + ({outputs[j + 1]})**2)" for j in (0, 2)]
+    texts = []
+    for i in range(5):
+        drift = " + ".join(f"({a[i, j]})*{names[j]}" for j in range(5))
+        control = " + ".join(f"({b[i, j]})*({outputs[j]})/{sizes[j // 2]}" for j in range(4))
+        texts.append(f"{drift} + ({c[i]}) + {control} + ({jump[i]})*sign({switch})")
+    path = ns.System(names, texts).simulate(start=tuple(start.tolist()), until=3).facts()
+
+    def layered(t: float, x: np.ndarray) -> np.ndarray:
+        first, second = np.split(w @ x, 2)
+        units = [own / np.sqrt(own @ own + LAYER**2) for own in (first, second)]
+        return a @ x + c + b @ np.concatenate(units) + jump * np.tanh(relay @ x / LAYER)
+
+    other = solve_ivp(layered, (0, 3), start, method="Radau", rtol=1e-8, atol=1e-10)
+    assert path["end"]["t"] == 3
+    assert path["end"]["state"] == pytest.approx(other.y[:, -1], abs=1e-5)
