@@ -26,7 +26,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, partial
 from itertools import combinations, product
 
 import numpy as np
@@ -273,20 +273,27 @@ class _Search:
         return all(own.stated == around[0].stated for own in around)
 
     def _rests_along(self, k: int, around: Sequence[FieldInBalls]) -> bool:
-        """Whether both fields are parallel all along a line in the plane, where stretches of rest say all."""
-        surface = self.surfaces[k]
-        if not self.system.is_planar or surface.degree > 1:
+        """Whether both fields are parallel all along a line in the plane, and stretches say where they are opposed."""
+        if not self._borders or any(part.kind is BorderKind.UNDECIDED for part in self._borders):
             return False
-        return not _along_line(_cross(*(own.stated for own in around)), surface)
+        surface, fields = self.surfaces[k], [own.stated for own in around]
+        if _along_line(_cross(*fields), surface):
+            return False
+        a, b = (surface.derivative(name).constant_value or 0 for name in surface.variables)
+        return all(_along_line(own.rates[0] * a + own.rates[1] * b, surface) for own in fields)
 
-    def _stretches(self) -> Iterator[BorderPart]:
-        """Parts of straight borders in the plane on which every place rests; those that end at each other as one."""
-        if not self.system.is_planar:
-            return
+    @cached_property
+    def _borders(self) -> tuple[BorderPart, ...]:
+        """What solutions do on the borders, in the plane, where all surfaces are lines; else none."""
+        if not self.system.is_planar or any(surface.degree > 1 for surface in self.surfaces):
+            return ()
         cells = system_cells(self.system, square_regions(self.radius))
         fields = stated_fields(self.system, cells)
-        parts = wave_border_parts(cells, fields) if self.system.rewriting.names else border_parts(cells)
-        waiting = [part for part in parts if self._is_stretch(part)]
+        return tuple(wave_border_parts(cells, fields) if self.system.rewriting.names else border_parts(cells))
+
+    def _stretches(self) -> Iterator[BorderPart]:
+        """Parts of borders in the plane on which every place rests; those that end at each other as one."""
+        waiting = [part for part in self._borders if self._is_stretch(part)]
         while waiting:
             own = waiting.pop()
             other = next((part for part in waiting if part.kind is own.kind and _meet(part, own)), None)

@@ -26,7 +26,7 @@ from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 ARRIVES = 2.0**-34  # of the size of the states: as near to the zeros of a norm a path is on its last, straight way
 BESIDE = 1e-6  # of the size: as far a path follows the unit vector with which it leaves them
-FULL = 1e-6  # the least singular value of unit normals that count as independent
+FULL = 1e-6  # the least singular value of unit normals that count as independent, and what entries of matrices err by
 
 
 class FacesAndZeros(FilippovFaces):
@@ -52,7 +52,10 @@ class FacesAndZeros(FilippovFaces):
                 ended = self._hold(path, k) if length(zero.sigma(path.state)) <= self._near else None
                 if ended is not None:
                     raise NoVelocityError(path.note)
-        return super().next_mode(path)
+        mode = super().next_mode(path)
+        if self.held and path.unique and isinstance(mode, FaceMode) and mode.motion.face.keep:
+            path.unique = None  # controls and mixtures of sides may trade with each other
+        return mode
 
     def further_guards(self, choice: FaceChoice) -> Sequence[Guard]:
         """The distances from the zeros of all other norms, then what ends that the path keeps to zeros, or leaves."""
@@ -139,11 +142,19 @@ class FacesAndZeros(FilippovFaces):
 
     def _doubt(self, path: Path, velocities: Sequence[HeldVelocity], *, keeps: bool) -> None:
         """Note where other solutions are not excluded."""
-        inputs = [own.input_matrix(path.state) for own in velocities]
-        is_monotone = all(map(_falls, inputs)) and all(np.allclose(own, inputs[0], rtol=FULL) for own in inputs)
-        all_come = keeps and len(self.held) == len(velocities) == 1 and velocities[0].outward_speed(path.state) < 0
-        if path.unique and not is_monotone and not all_come:
+        if path.unique and not (len(velocities) == 1 and self._is_only(velocities[0], path.state, keeps=keeps)):
             path.unique = None
+
+    def _is_only(self, velocity: HeldVelocity, x: Floats, *, keeps: bool) -> bool:
+        """Whether W B is symmetric and negative definite: then ``sigma' = ... + W B sigma/abs(sigma)`` is monotone.
+
+        In the metric of its inverse any two solutions come closer, but for what is smooth, so that there is one from
+        each start.  So there is where all directions beside one place lead back to it.
+        """
+        matrix = velocity.input_matrix(x)
+        if np.allclose(matrix, matrix.T, rtol=FULL) and float(np.linalg.eigvalsh(matrix).max()) < 0:
+            return True
+        return keeps and len(self.held) == 1 and velocity.outward_speed(x) < 0
 
     def _go_on(self, path: Path, held: tuple[int, ...], left: int | None = None) -> None:
         """With the field that keeps to some zeros, and that of what leaves one."""
@@ -161,15 +172,6 @@ def _velocities(face: Face) -> list[HeldVelocity]:
 def _margin(motion: FaceMotion, t: float, x: Floats) -> float:
     """How much shorter than one the equivalent control of every member is."""
     return min(own.margin(x) for own in _velocities(motion.face))
-
-
-def _falls(matrix: Floats) -> bool:
-    """Whether a matrix is symmetric and negative definite: then ``sigma' = ... + W B sigma/abs(sigma)`` is monotone.
-
-    In the metric of its inverse any two solutions come closer, but for what is smooth, so that there is one from each
-    start.
-    """
-    return np.allclose(matrix, matrix.T, rtol=FULL) and float(np.linalg.eigvalsh(matrix).max()) < 0
 
 
 def _on_zeros(zeros: Sequence[NormZero], x: Floats) -> Floats:

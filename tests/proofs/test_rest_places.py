@@ -179,6 +179,20 @@ def test_what_is_not_isolated_is_left() -> None:
 
 
 @pytest.mark.parametrize(
+    "rhs",
+    [
+        "sign(y); 0*x",  # both fields run along the border, in opposite directions
+        "y*(1 + sign(y)) - 1 + sign(y); 0*y - 1 + sign(y)",  # one is zero along it
+        "y; -x - sign(y)*(3 + sign(x**2 + y**2 - 4))",  # dry friction that a curve parts
+    ],
+)
+def test_stretches_that_no_border_tells_are_left(rhs: str) -> None:
+    found = stated(rhs, radius=3).equilibria().found
+    assert not found.stretches
+    assert any(abs(float(y)) < 0.05 and abs(float(x)) < 1 for x, y in found.left)
+
+
+@pytest.mark.parametrize(
     ("rhs", "said"),
     [
         ("-x/sqrt(x**2 + y**2); -y", "without norms"),
