@@ -38,6 +38,7 @@ from nonsmooth.analysis.fields.stated_field import StatedField, stated_field, st
 from nonsmooth.proofs.boxes.all_zeros import FINEST, MOST_BOXES, Box, all_zeros, halves
 from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.findings import Equilibrium, Translation
+from nonsmooth.proofs.kernel.cells import require_denominators
 from nonsmooth.proofs.orbits.ball_steps import BallPolynomials
 from nonsmooth.proofs.rest_equations import (
     FieldInBalls,
@@ -120,8 +121,8 @@ def rest_places(system: SwitchedSystem) -> RestPlaces:
     """All places of rest of the checked cube.
 
     Raises:
-        SceneError: for arbitrary switching, roots of states, norms, denominators that are zero at the checked point,
-            and for too many states or surfaces.
+        SceneError: for arbitrary switching, roots of states, norms, denominators that may be zero in the cube, and for
+            too many states or surfaces.
     """
     require_one_field(system)
     _require_few(system)
@@ -143,6 +144,7 @@ def _require_few(system: SwitchedSystem) -> None:
     if system.vanishing or system.rewriting.norms:
         expected = "formulas without norms, and without denominators that are zero at the checked point"
         raise SceneError(system.origin, "system.rhs", expected, StatedFact("some"))
+    require_denominators(system)
 
 
 # ---- the search over cells, surfaces and corners -------------------------------------------------

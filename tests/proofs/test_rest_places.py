@@ -196,6 +196,7 @@ def test_stretches_that_no_border_tells_are_left(rhs: str) -> None:
     ("rhs", "said"),
     [
         ("-x/sqrt(x**2 + y**2); -y", "without norms"),
+        ("-x/(1/4 - x); -y", "not to vanish"),  # beyond x = 1/4 the field without fractions goes the other way
         ("-sqrt(Abs(x))*sign(x); -y", r"without sqrt\(Abs"),
         ("; ".join(["-x" + "".join(f" - sign(x - {k}/10)/9" for k in range(7)), "-y"]), "at most 6 switching"),
     ],
