@@ -80,7 +80,7 @@ class RestKind(StrEnum):
 
 
 @dataclass(frozen=True)
-class RestPlace:
+class EnclosedEquilibrium:
     """One place of rest.
 
     Attributes:
@@ -101,7 +101,7 @@ class RestPlace:
 
 
 @dataclass(frozen=True)
-class RestPlaces:
+class EnclosedEquilibria:
     """All places of rest of a cube.
 
     Attributes:
@@ -112,12 +112,12 @@ class RestPlaces:
             a small cluster are one.
     """
 
-    places: tuple[RestPlace, ...]
+    places: tuple[EnclosedEquilibrium, ...]
     stretches: tuple[BorderPart, ...]
     left: tuple[tuple[arb, ...], ...]
 
 
-def rest_places(system: SwitchedSystem) -> RestPlaces:
+def rest_places(system: SwitchedSystem) -> EnclosedEquilibria:
     """All places of rest of the checked cube.
 
     Raises:
@@ -135,7 +135,9 @@ def rest_places(system: SwitchedSystem) -> RestPlaces:
     search.look_in_clusters()
     found = sorted(search.found, key=lambda own: sum(float(c) ** 2 for c in search.displaced(own.place)))
     left = [box for box in search.left if not search.is_at_end(box, ENDS)]
-    return RestPlaces(tuple(found), tuple(search.stretches), tuple(_joined_boxes(left, float(system.check.radius))))
+    return EnclosedEquilibria(
+        tuple(found), tuple(search.stretches), tuple(_joined_boxes(left, float(system.check.radius)))
+    )
 
 
 def _require_few(system: SwitchedSystem) -> None:
@@ -168,7 +170,7 @@ class _Search:
             BallPolynomials([own, *(own.derivative(name) for name in system.states)]) for own in self.surfaces
         ]
         self._fields: dict[tuple[int, ...], FieldInBalls] = {}
-        self.found: list[RestPlace] = []
+        self.found: list[EnclosedEquilibrium] = []
         self.stretches = list(self._stretches())
         self.left: list[tuple[arb, ...]] = []
 
@@ -346,12 +348,14 @@ class _Search:
         elif holds:
             self._add(place)
 
-    def _place(self, x: Sequence[arb], exact: Sequence[Number] | None, kind: RestKind, on: Sequence[int]) -> RestPlace:
+    def _place(
+        self, x: Sequence[arb], exact: Sequence[Number] | None, kind: RestKind, on: Sequence[int]
+    ) -> EnclosedEquilibrium:
         numbers = None if exact is None else tuple(a + c for a, c in zip(exact, self.centre, strict=True))
         names = tuple(f"{self.names[k]} = 0" for k in sorted(on))
-        return RestPlace(self.stated(x), numbers, kind, names, Translation.UNDECIDED)
+        return EnclosedEquilibrium(self.stated(x), numbers, kind, names, Translation.UNDECIDED)
 
-    def _add(self, place: RestPlace) -> None:
+    def _add(self, place: EnclosedEquilibrium) -> None:
         """Note a place, unless it is known: on surfaces places are found from several sides."""
         known = any(all(a.overlaps(b) for a, b in zip(own.place, place.place, strict=True)) for own in self.found)
         if not known and not self.is_at_end(place.place, 0.0):
@@ -364,7 +368,7 @@ class _Search:
         x: Sequence[arb],
         share: Sequence[arb],
         exact: Sequence[Number] | None,
-    ) -> RestPlace:
+    ) -> EnclosedEquilibrium:
         """An equilibrium of one field, or of sliding motion with a positive share of both."""
         if not chosen:
             matrix = around[0].at(x)[1]
@@ -416,7 +420,7 @@ class _Search:
         guess = self.system.field.rational(Fraction(float(stated.mid())).limit_denominator(SIMPLE))
         return guess - centre if stated.contains(guess.ball()) or stated.overlaps(guess.ball()) else None
 
-    def _holds_zero(self, place: RestPlace, around: Sequence[FieldInBalls], x: Sequence[arb]) -> bool | None:
+    def _holds_zero(self, place: EnclosedEquilibrium, around: Sequence[FieldInBalls], x: Sequence[arb]) -> bool | None:
         """Whether 0 is in F; None where that is not known.
 
         Of a field that is zero on one surface it is; where more surfaces meet, by all cells that do.
@@ -431,7 +435,7 @@ class _Search:
         return None if found is Equilibrium.UNDECIDED else found is Equilibrium.HOLDS
 
 
-def at_place(system: SwitchedSystem, place: RestPlace) -> SwitchedSystem | None:
+def at_place(system: SwitchedSystem, place: EnclosedEquilibrium) -> SwitchedSystem | None:
     """The system that is checked at a place of rest, on a cube within that which was searched; None where it cannot be.
 
     Sines are enclosed about the checked point, and coordinates must be exact.

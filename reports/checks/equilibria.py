@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.findings import Record, Translation
-from nonsmooth.proofs.rest_places import RestPlace, RestPlaces, at_place, rest_places
+from nonsmooth.proofs.rest_places import EnclosedEquilibria, EnclosedEquilibrium, at_place, rest_places
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.reports.output.document import Block, sentences, table
@@ -56,7 +56,7 @@ class EquilibriaResult(Result):
     """
 
     system: SwitchedSystem
-    found: RestPlaces
+    found: EnclosedEquilibria
     verdicts: tuple[tuple[Translation, str], ...]
 
     def facts(self) -> Record:
@@ -170,14 +170,14 @@ def _moved(middle: float, value: float, _: int | None) -> str:
     return f"{middle + value:.4g}"
 
 
-def _place(own: RestPlace) -> str:
+def _place(own: EnclosedEquilibrium) -> str:
     """Coordinates, exact where they are simple."""
     if own.exact is not None:
         return exact_place(own.exact)
     return place_text([float(x) for x in own.place], 9)
 
 
-def _where(own: RestPlace) -> str:
+def _where(own: EnclosedEquilibrium) -> str:
     return f"{own.kind}{': ' * bool(own.surfaces)}{', '.join(own.surfaces)}"
 
 
@@ -210,7 +210,7 @@ class Equilibria(SceneStudy[Options]):
         return EquilibriaResult(scene, found, tuple(verdicts))
 
 
-def _verdict(system: SwitchedSystem, own: RestPlace) -> tuple[Translation, str, bool]:
+def _verdict(system: SwitchedSystem, own: EnclosedEquilibrium) -> tuple[Translation, str, bool]:
     """The stability of a place, what decides it, and whether every start is known to come to it."""
     if own.stability is not Translation.UNDECIDED:
         return own.stability, LINEARIZED, False

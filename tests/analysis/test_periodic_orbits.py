@@ -22,7 +22,7 @@ from nonsmooth.analysis.orbits import search
 from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit, shoot, single_turn
 from nonsmooth.analysis.trajectories import piecewise_constant as paths
-from nonsmooth.analysis.trajectories import smooth_path
+from nonsmooth.analysis.trajectories import trajectory
 from nonsmooth.analysis.trajectories.closed_forms import Turns, signs_of
 from nonsmooth.analysis.trajectories.piecewise_constant import MAX_LEGS
 from nonsmooth.analysis.trajectories.result import EndReason
@@ -392,7 +392,7 @@ def test_a_path_that_grows_almost_beyond_floats_is_refused_without_a_warning() -
 
 def test_a_path_ends_after_its_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """An oscillation that would take days: what was reached is right, and the reason is said."""
-    monkeypatch.setattr(smooth_path, "MAX_WORK", 720)
+    monkeypatch.setattr(trajectory, "MAX_WORK", 720)
     path = ns.System(PLANE, ["y", "-x + 0*sign(x)"]).simulate((1.0, 0.0), 1e9).trajectory
     assert path.end.reason is EndReason.STEPS
     assert 1 < path.end.t < 100
