@@ -86,7 +86,7 @@ KINDS = {
 }
 
 
-@pytest.mark.parametrize("seed", keep(12, range(120)))
+@pytest.mark.parametrize("seed", keep(8, range(120)))
 def test_affine_pieces_rest_where_linear_algebra_says(seed: int) -> None:
     pieces = Pieces(seed)
     if abs(np.linalg.det(pieces.a)) < 0.05:
