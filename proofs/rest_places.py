@@ -35,7 +35,7 @@ from flint import acb_mat, arb, arb_mat
 from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.analysis.fields.convex_weights import shortest_mixture
 from nonsmooth.analysis.fields.stated_field import StatedField, stated_field, stated_fields
-from nonsmooth.proofs.boxes.all_zeros import FINEST, MOST_BOXES, Box, all_zeros, halves
+from nonsmooth.proofs.boxes.all_zeros import FINEST, MOST_BOXES, Box, all_zeros, halves, overlap
 from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import require_denominators
@@ -187,7 +187,7 @@ class _Search:
         near = self.radius.ball() * room * UNIT
         ends = [end for part in self.stretches for end in (part.start, part.end)]
         boxes = [self.stated([own.ball() + near for own in end]) for end in ends]
-        return any(all(a.overlaps(b) for a, b in zip(box, place, strict=True)) for box in boxes)
+        return any(overlap(box, place) for box in boxes)
 
     def field(self, signs: tuple[int, ...]) -> FieldInBalls:
         """The field where the surfaces have these signs."""
@@ -357,7 +357,7 @@ class _Search:
 
     def _add(self, place: EnclosedEquilibrium) -> None:
         """Note a place, unless it is known: on surfaces places are found from several sides."""
-        known = any(all(a.overlaps(b) for a, b in zip(own.place, place.place, strict=True)) for own in self.found)
+        known = any(overlap(own.place, place.place) for own in self.found)
         if not known and not self.is_at_end(place.place, 0.0):
             self.found.append(place)
 
@@ -418,7 +418,7 @@ class _Search:
         """A displacement to a coordinate with a small denominator, where one lies in a ball."""
         stated = x + centre.ball()
         guess = self.system.field.rational(Fraction(float(stated.mid())).limit_denominator(SIMPLE))
-        return guess - centre if stated.contains(guess.ball()) or stated.overlaps(guess.ball()) else None
+        return guess - centre if stated.overlaps(guess.ball()) else None
 
     def _holds_zero(self, place: EnclosedEquilibrium, around: Sequence[FieldInBalls], x: Sequence[arb]) -> bool | None:
         """Whether 0 is in F; None where that is not known.
@@ -456,7 +456,7 @@ def _clusters(boxes: Sequence[Sequence[arb]]) -> list[Box]:
     for box in boxes:
         own, apart = list(box), list[Box]()
         for hull in hulls:
-            if all(a.overlaps(b) for a, b in zip(own, hull, strict=True)):
+            if overlap(own, hull):
                 own = [a.union(b) for a, b in zip(own, hull, strict=True)]
             else:
                 apart.append(hull)
@@ -471,7 +471,7 @@ def _is_small(radius: float, hull: Box) -> bool:
 def _joined_boxes(boxes: Sequence[tuple[arb, ...]], radius: float) -> list[tuple[arb, ...]]:
     """Boxes, those of a small cluster as one."""
     hulls = [hull for hull in _clusters(boxes) if _is_small(radius, hull)]
-    apart = [box for box in boxes if not any(all(map(arb.overlaps, box, hull)) for hull in hulls)]
+    apart = [box for box in boxes if not any(overlap(box, hull) for hull in hulls)]
     return [*map(tuple, hulls), *apart]
 
 
@@ -528,13 +528,7 @@ def _balls_hold_zero(vectors: Sequence[tuple[arb, arb]]) -> bool | None:
         turns = [_sign(cross(*pair)) for pair in ((a, b), (b, c), (c, a))]
         if turns in ([1, 1, 1], [-1, -1, -1]):
             return True
-    turned = [(side * -y, side * x) for x, y in vectors for side in (1, -1)]
-    sums = [(a + c, b + d) for (a, b), (c, d) in combinations(turned, 2)]
-    for d in (*vectors, *sums):
-        middle = d[0].mid(), d[1].mid()
-        if all(bool(middle[0] * x + middle[1] * y > 0) for x, y in vectors):
-            return False
-    return None
+    return False if _lead_one_way(vectors) else None
 
 
 def _lead_one_way(vectors: Sequence[Sequence[arb]]) -> bool:

@@ -66,7 +66,7 @@ def all_zeros(equations: Map, guards: Guards, box: Box, narrow: Callable[[Box], 
         own = _narrowed(whole, part, sizes)
         wide = [a.mid() + (a.rad() * WIDER + size * LEAST) * UNIT for a, size in zip(own, sizes, strict=True)]
         image, is_inside = _image(equations, wide)
-        if not all(a.overlaps(b) for a, b in zip(image, own, strict=True)):
+        if not overlap(image, own):
             continue
         if is_inside:
             _keep(result, _refined(equations, image, wide), wide, own)
@@ -117,7 +117,7 @@ def _refined(equations: Map, image: Box, region: Box) -> Box:
 
 def _keep(result: Zeros, zero: Box, region: Box, box: Box) -> None:
     """Note a zero that may lie in a box, unless it is known."""
-    if not all(a.overlaps(b) for a, b in zip(zero, box, strict=True)):
+    if not overlap(zero, box):
         return
     for known, other in zip(result.found, result.regions, strict=True):
         if all(b.contains(a) for a, b in zip(zero, other, strict=True)) or all(
@@ -134,3 +134,8 @@ def halves(box: Box, sizes: Sequence[float]) -> list[Box]:
     low, high = box[k].lower(), box[k].upper()
     cut = (low + (high - low) * SPLIT).mid()
     return [[*box[:k], a.union(b), *box[k + 1 :]] for a, b in ((low, cut), (cut, high))]
+
+
+def overlap(first: Sequence[arb], second: Sequence[arb]) -> bool:
+    """Whether two boxes may have a place in common."""
+    return all(a.overlaps(b) for a, b in zip(first, second, strict=True))
