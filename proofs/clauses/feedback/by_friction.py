@@ -34,6 +34,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -183,7 +184,7 @@ class DrivenFeedback:
     def position_error(self) -> None:
         """None: how much the law may misjudge the position is not examined."""
 
-    @property
+    @cached_property
     def reach(self) -> Number | Lazy | None:
         """The rate holds while ``|x|, |y| < reach`` about c*, for every theta, where all slopes of D are known.
 
