@@ -189,7 +189,9 @@ def test_functions_of_numbers_that_are_rational_are_that_number(written: list[st
     assert one == other
 
 
-@pytest.mark.parametrize("rhs", [["-x + 1e200*y", "-y"], ["-x - 1e400*y", "-y"], ["-1e300*x + y", "-1e-300*y"]])
+@pytest.mark.parametrize(
+    "rhs", keep(2, [["-1e300*x + y", "-1e-300*y"], ["-x - 1e400*y", "-y"], ["-x + 1e200*y", "-y"]])
+)
 def test_numbers_beyond_floats_may_have_no_certificate(rhs: list[str]) -> None:
     result = decide_system(built(rhs))
     assert str(result.verdict) == "asymptotically stable"

@@ -348,7 +348,7 @@ def test_a_late_law_is_followed_as_far_as_its_speeds_impose_their_twists(invoke:
 def test_a_body_that_a_late_law_drives_off_its_wheels_tips(invoke: Invoke, tmp_path: Path) -> None:
     """It ends at the border of their hull, and none starts beyond."""
     file = write(tmp_path, "ellipse", "delay = 12")
-    path = invoke("simulate", file, "--feedback", "--json", "--from", "0.05,0,0.02", "--until", "900").record
+    path = invoke("simulate", file, "--feedback", "--json", "--from", "0.3,0,0.02", "--until", "900").record
     assert "tips" in path["end"]["reason"]
     hull = ConvexHull(places_of(load_scene(file).wheels))
     outside = np.array(path["state"])[:, :2] @ hull.equations[:, :2].T + hull.equations[:, 2] > 0

@@ -257,6 +257,7 @@ def test_rows_of_cells_are_the_stated_field(name: str) -> None:
 DIFFERENTIATOR = ["-2*Abs(x)**(2/3)*sign(x) + y", "-53/25*Abs(x)**(1/3)*sign(x) + z", "-11/10*sign(x)"]
 
 
+@thorough  # its check is a golden row; cells of other systems: test_rows_of_cells_are_the_stated_field
 def test_a_v_in_the_time_of_the_states_is_told_with_its_roots_and_cells() -> None:
     """No other time is spoken of, and the rows of the cells are the stated velocities in these roots."""
     system = ns.System(["x", "y", "z"], DIFFERENTIATOR)
