@@ -30,7 +30,7 @@ from nonsmooth.proofs.kernel.search import Functions, Search
 from nonsmooth.proofs.kernel.second_function import points_of, sampled, slopes_along
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, distinct_rows
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Exponents, Polynomial, float_values, written_powers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -209,7 +209,7 @@ def rates_and_values(conditions: Functions, looked_at: LookedAt) -> tuple[Floats
 
 def distinct(rows: Floats) -> Floats:
     """Rows over their largest entries, without those that are zero or alike."""
-    return np.unique(np.round(normalized(rows), 12), axis=0)
+    return distinct_rows(np.round(normalized(rows), 12))
 
 
 def _values_at(functions: Sequence[CheckedPolynomial], points: Floats) -> Floats:

@@ -35,7 +35,7 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.kernel.written import formula_text, slopes
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, distinct_rows
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -293,7 +293,7 @@ def with_projected(place: Face, points: Floats) -> Floats:
         if own.degree == 1:
             normal = np.array(slopes(own), dtype=float)
             projected.append(points - np.outer(float_values(own.terms, points), normal) / (normal @ normal))
-    return np.unique(np.round(np.vstack(projected), 12), axis=0)
+    return distinct_rows(np.round(np.vstack(projected), 12))
 
 
 def extreme_velocities(fields: Sequence[tuple[Mask, Floats]], normals: Sequence[Floats]) -> tuple[Indices, Floats]:
@@ -387,7 +387,7 @@ class Basis:
         """The rates of all functions, of shape (m, k), each row in units of its largest entry, if that is not zero."""
         total = np.vstack([slopes_along(samples, list(self._on(cell))) for cell, samples in left])
         largest = np.max(np.abs(total), axis=1, keepdims=True)
-        return np.unique(np.round(total / np.where(largest > 0, largest, 1.0), 13), axis=0)
+        return distinct_rows(np.round(total / np.where(largest > 0, largest, 1.0), 13))
 
     def _on(self, cell: Cell) -> Iterator[Polynomial]:
         """The functions on a cell."""
