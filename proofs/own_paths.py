@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.theorem4 import Contradiction
 from nonsmooth.symbolic.numbers.plane import XY
 
 STARTS = 4
@@ -21,18 +20,6 @@ CLOSE = 2.0**-40  # of the half side of the square: the distance of the starts
 CLOSER = 2.0**-20  # of the half side: where paths begin that may leave
 FAR = 1 / 16  # of the half side: nothing that starts so close to a stable point may come there
 CROSSINGS = 8.0  # of the square, at the least speed: as long as a path is followed
-
-
-class ContradictionError(RuntimeError):
-    """A law that is certified and a path of this program that contradict each other: nobody may rely on either.
-
-    Attributes:
-        found: both sides.
-    """
-
-    def __init__(self, scene: str, law: str, path: str) -> None:
-        self.found = Contradiction("feedback law and path", (law, path), ("feedback",))
-        super().__init__(f"{scene}: {self.found.text}; nobody may rely on either (please report this)")
 
 
 @dataclass(frozen=True)

@@ -438,12 +438,15 @@ class _Search:
 def at_place(system: SwitchedSystem, place: EnclosedEquilibrium) -> SwitchedSystem | None:
     """The system that is checked at a place of rest, on a cube within that which was searched; None where it cannot be.
 
-    Sines are enclosed about the checked point, and coordinates must be exact.
+    Sines are enclosed about the checked point, so it is at no other place, and coordinates must be exact.
     """
+    check = system.check
+    if place.exact == check.equilibrium:
+        return system
     if place.exact is None or system.rewriting.names:
         return None
-    away = zip(place.exact, system.check.equilibrium, strict=True)
-    room = min((system.check.radius - abs(a - c) for a, c in away), key=float)
+    away = zip(place.exact, check.equilibrium, strict=True)
+    room = min((check.radius - abs(a - c) for a, c in away), key=float)
     if not room > 0:
         return None
     lyapunov = parse_piecewise(" + ".join(f"{name}**2" for name in system.states), system.states)

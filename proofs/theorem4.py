@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeAlias, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Self, TypeAlias, TypeVar, cast
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
@@ -24,7 +24,7 @@ from nonsmooth.proofs.clauses.rotation.clause import RotationResult, decide_rota
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.workspace import Announce, ClauseResult, Skipped, Workspace, unheard
-from nonsmooth.proofs.findings import Fact, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings import Contradiction, Fact, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.contact_states import (
     ContactCensus,
@@ -47,25 +47,6 @@ if TYPE_CHECKING:
 # ``holds`` iff the equilibrium holds, translation is (asymptotically) stable, rotation is unstable and, where mu_S <
 # mu_R, feedback stabilizes.  At an equilibrium a clause that is refuted makes it ``fails``; a missing certificate alone
 # is not a refutation, so it makes it ``undecided``, and so does a point that is not shown to be an equilibrium.
-
-
-class Contradiction(NamedTuple):
-    """Two statements of this program about one array that cannot both be true.
-
-    Attributes:
-        between: what is compared, in a few words.
-        sides: the two statements, a sentence each.
-        clauses: names of the clauses that nobody may rely on.
-    """
-
-    between: str
-    sides: tuple[str, str]
-    clauses: tuple[str, ...]
-
-    @property
-    def text(self) -> str:
-        """Both sides in one sentence."""
-        return f"{self.between} contradict each other: {self.sides[0]}; but {self.sides[1]}"
 
 
 @dataclass(frozen=True, repr=False)

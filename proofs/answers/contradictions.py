@@ -23,9 +23,9 @@ import numpy as np
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import Answers, answers_of
-from nonsmooth.proofs.findings import Equilibrium, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings import Contradiction, Equilibrium, Rotation, Theorem4, Translation
 from nonsmooth.proofs.own_paths import CLOSE, CLOSER, FAR, paths_from, starts_around, starts_on_borders
-from nonsmooth.proofs.theorem4 import CellCheck, Check, Contradiction
+from nonsmooth.proofs.theorem4 import CellCheck, Check
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from flint import fmpq, fmpz
 
@@ -271,3 +271,34 @@ def _shifted(coefficients: list[Fraction], shift: Fraction) -> list[Fraction]:
         for j in reversed(range(i, len(shifted) - 1)):
             shifted[j] += shift * shifted[j + 1]
     return shifted
+
+
+class Contradiction(NamedTuple):
+    """Two statements of this program about one subject that cannot both be true.
+
+    Attributes:
+        between: what is compared, in a few words.
+        sides: the two statements, a sentence each.
+        clauses: names of the clauses that nobody may rely on.
+    """
+
+    between: str
+    sides: tuple[str, str]
+    clauses: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """Both sides in one sentence."""
+        return f"{self.between} contradict each other: {self.sides[0]}; but {self.sides[1]}"
+
+
+class ContradictionError(RuntimeError):
+    """A contradiction about a subject of this name, of which nothing is said therefore.
+
+    Attributes:
+        found: both sides.
+    """
+
+    def __init__(self, name: str, found: Contradiction) -> None:
+        self.found = found
+        super().__init__(f"{name}: {found.text}; nobody may rely on either (please report this)")

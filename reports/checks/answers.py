@@ -14,8 +14,8 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.answers.answer import Answer, Position, at_least, contact_facts, has_dynamics
 from nonsmooth.proofs.answers.answers import Answers, OtherRule, answers_of
 from nonsmooth.proofs.clauses.clause import Clause
-from nonsmooth.proofs.findings import Quantity, Record, Theorem4
-from nonsmooth.proofs.theorem4 import Check, Contradiction
+from nonsmooth.proofs.findings import Contradiction, Quantity, Record, Theorem4
+from nonsmooth.proofs.theorem4 import Check
 from nonsmooth.reports.output.facts import as_record, fact_record, with_exact
 from nonsmooth.reports.output.terminal import answers_table, blocks_view, verdict_text
 from nonsmooth.symbolic.messages.scene_error import one_line

@@ -20,8 +20,8 @@ from nonsmooth.proofs.answers.contradictions import (
     reconciled,
     rests_under,
 )
-from nonsmooth.proofs.findings import Record, Theorem4, said
-from nonsmooth.proofs.theorem4 import Check, Contradiction
+from nonsmooth.proofs.findings import Contradiction, Record, Theorem4, said
+from nonsmooth.proofs.theorem4 import Check
 from nonsmooth.reports.checks.answers import (
     CHECK_SCHEMA,
     answer_lines,

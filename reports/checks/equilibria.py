@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.proofs.decided_places import decided_places
 from nonsmooth.proofs.findings import Record, Translation
-from nonsmooth.proofs.rest_places import EnclosedEquilibria, EnclosedEquilibrium, at_place, rest_places
-from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.rest_places import EnclosedEquilibria, EnclosedEquilibrium
 from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import floats, with_exact
@@ -17,9 +17,8 @@ from nonsmooth.reports.output.refusals import RefusedError, refusals_named
 from nonsmooth.reports.output.study_options import Options
 from nonsmooth.reports.studies.result import DataTable, Result
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
-from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
+from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
-from nonsmooth.symbolic.messages.under_way import part_of
 from nonsmooth.symbolic.numbers.number_text import exact_place, place_text
 
 if TYPE_CHECKING:
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 
 SCHEMA = "nonsmooth-equilibria/1"
 SIZE = 6.4  # inches
-LINEARIZED = "linearization"
 STRETCHES = {
     BorderKind.SLIDING: "every place of it rests, and both fields lead to it",
     BorderKind.REPELLING: "every place of it rests, and both fields lead away from it",
@@ -198,31 +196,8 @@ class Equilibria(SceneStudy[Options]):
     def run(self, scene: Any, options: Options) -> Result:
         """Find them."""
         with refusals_named(scene):
-            found = rest_places(scene)
-        verdicts, everywhere = [], False
-        for number, own in enumerate(found.places):
-            with part_of(number, len(found.places), "places"):
-                stability, by, attracts_all = _verdict(scene, own)
-            verdicts.append((stability, by))
-            everywhere |= attracts_all
-        if everywhere:  # every start comes to one place, so that nothing else rests
-            found = replace(found, left=())
-        return EquilibriaResult(scene, found, tuple(verdicts))
-
-
-def _verdict(system: SwitchedSystem, own: EnclosedEquilibrium) -> tuple[Translation, str, bool]:
-    """The stability of a place, what decides it, and whether every start is known to come to it."""
-    if own.stability is not Translation.UNDECIDED:
-        return own.stability, LINEARIZED, False
-    moved = at_place(system, own)
-    if moved is None:
-        return Translation.UNDECIDED, "", False
-    try:
-        result = decide_system(moved)
-    except SceneError:
-        return Translation.UNDECIDED, "", False
-    attracts = result.verdict is Translation.ASYMPTOTICALLY_STABLE
-    return result.verdict, str(result.method), attracts and result.reach.everywhere
+            found, decided = decided_places(scene)
+        return EquilibriaResult(scene, found, tuple((own.stability, own.theorem) for own in decided))
 
 
 EQUILIBRIA = Equilibria()

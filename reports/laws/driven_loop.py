@@ -34,8 +34,8 @@ from nonsmooth.analysis.trajectories.steppers import StiffAware
 from nonsmooth.analysis.trajectories.trajectory import follow_smooth
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
-from nonsmooth.proofs.own_paths import ContradictionError
-from nonsmooth.reports.laws.feedback_loop import GAIN, RISE_SLACK
+from nonsmooth.proofs.findings import ContradictionError
+from nonsmooth.reports.laws.feedback_loop import GAIN, RISE_SLACK, law_and_path
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
@@ -230,11 +230,9 @@ class DrivenLoop:
             rise = float((values - np.minimum.accumulate(values)).max())
             if rise > RISE_SLACK * values[0]:
                 where = place_text(path.states[0])
-                raise ContradictionError(
-                    self.scene.name,
-                    "the feedback clause certifies that V falls under the law",
-                    f"the path from {where}, as it was computed, lets V rise by {rise:.3g} from {values[0]:.3g}",
-                )
+                certified = "the feedback clause certifies that V falls under the law"
+                seen = f"the path from {where}, as it was computed, lets V rise by {rise:.3g} from {values[0]:.3g}"
+                raise ContradictionError(self.scene.name, law_and_path(certified, seen))
         elif np.abs(path.array[:, :2]).max() >= self.reach:
             raise TrajectoryError(OUTSIDE)
 

@@ -31,8 +31,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, TurnRegion, find_cascade
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
-from nonsmooth.proofs.findings import Feedback
-from nonsmooth.proofs.own_paths import ContradictionError
+from nonsmooth.proofs.findings import Contradiction, ContradictionError, Feedback
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.numbers.plane import XY, pose_in_floats
@@ -226,11 +225,14 @@ class FeedbackLoop:
             seen = "leaves the checked square" if left else f"lets {falling} rise by {rise:.3g} from {values[0]:.3g}"
             start = ", ".join(f"{float(value):.6g}" for value in path.states[0])
             where = "" if region is None else f" where {region}"
-            raise ContradictionError(
-                self.partition.scene.name,
-                f"the feedback clause certifies that {falling} falls under the {self.law} law{where}",
-                f"the path from ({start}), as it was computed, {seen}",
-            )
+            certified = f"the feedback clause certifies that {falling} falls under the {self.law} law{where}"
+            path_seen = f"the path from ({start}), as it was computed, {seen}"
+            raise ContradictionError(self.partition.scene.name, law_and_path(certified, path_seen))
+
+
+def law_and_path(certified: str, seen: str) -> Contradiction:
+    """What is certified of a law, and what a path under it shows."""
+    return Contradiction("feedback law and path", (certified, seen), ("feedback",))
 
 
 def certified_law(feedback: FeedbackResult) -> LawName | None:

@@ -86,7 +86,7 @@ def run(app: Callable[..., Any], arguments: Sequence[str]) -> int:
 
 def _report_fault(error: Exception) -> int:
     """A traceback; of a law and a path that contradict each other both sides on one line: then nothing is decided."""
-    from nonsmooth.proofs.own_paths import ContradictionError
+    from nonsmooth.proofs.findings import ContradictionError
 
     if isinstance(error, ContradictionError):
         print(f"{PROGRAM}: {one_line(str(error))}", file=sys.stderr)

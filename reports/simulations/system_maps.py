@@ -20,9 +20,8 @@ from nonsmooth.analysis.trajectories.result import UNFINISHED, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import MAX_WORK
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.contradictions import FollowedStarts, contradictions_of_map
-from nonsmooth.proofs.findings import Record, Translation
+from nonsmooth.proofs.findings import Contradiction, Record, Translation
 from nonsmooth.proofs.systems.border_motion import BorderKind
-from nonsmooth.proofs.theorem4 import Contradiction
 from nonsmooth.reports.checks.answers import contradiction_lines, contradictions_record
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.figures.style import (

@@ -72,7 +72,7 @@ def row_products(a: Floats, b: Floats) -> Floats:
     return (a * b).sum(axis=1)
 
 
-def distinct_rows(rows: Floats) -> Floats:
+def distinct_rows(rows: Any) -> Floats:
     """The rows in lexicographic order, each once.
 
     As :func:`numpy.unique` finds them, which compares rows as records and takes eight times as long for a million.

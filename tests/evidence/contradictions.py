@@ -21,7 +21,8 @@ import numpy as np
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answers import full_answers
 from nonsmooth.proofs.answers.contradictions import reconciled
-from nonsmooth.proofs.theorem4 import Contradiction, check_theorem4
+from nonsmooth.proofs.findings import Contradiction
+from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
+from flint import arb
 from scipy.integrate import solve_ivp
 from scipy.optimize import linprog
 
 import nonsmooth as ns
-from nonsmooth.proofs.findings import Translation
+from nonsmooth.proofs import decided_places as decided
+from nonsmooth.proofs.findings import ContradictionError, Translation
 from nonsmooth.proofs.rest_places import RestKind, rest_places
 from tests.plain import stated
 from tests.thorough import keep
@@ -176,6 +179,33 @@ def test_what_is_not_isolated_is_left() -> None:
     assert result.exit_status == 3
     assert len(result.found.left) > 100
     assert all(abs(float(np.hypot(float(x), float(y))) - 1) < 0.05 for x, y in result.found.left)
+
+
+RESTS = [
+    ("-x**3 + x**5; -y", 3),  # a zero that is not simple
+    ("-sin(x)**3; -y", 1),
+    ("-sign(x) + y/4; -sign(y) - x/4; -z", 1),  # two surfaces in space
+    ("y; -sin(x)**3 - y", 1),
+]
+
+
+@pytest.mark.parametrize(("rhs", "places"), keep(3, RESTS))
+def test_nothing_else_rests_where_a_place_attracts(rhs: str, places: int) -> None:
+    """Boxes in which the search cannot tell are dropped there; on their own they are left."""
+    system = stated(rhs, radius=2)
+    assert rest_places(system.system).left
+    result = system.equilibria()
+    assert (result.exit_status, len(result.found.places)) == (0, places)
+
+
+def test_a_second_place_where_one_attracts_is_a_contradiction(monkeypatch: pytest.MonkeyPatch) -> None:
+    system = stated("-x**3; -y").system
+    found = rest_places(system)
+    (own,) = found.places
+    second = replace(own, place=(arb(1) / 8, arb(0)), exact=None)
+    monkeypatch.setattr(decided, "rest_places", lambda _: replace(found, places=(own, second)))
+    with pytest.raises(ContradictionError, match=r"as \(0.125, 0\), is certified to come to it; but what starts"):
+        decided.decided_places(system)
 
 
 @pytest.mark.parametrize(

@@ -22,8 +22,8 @@ import nonsmooth as ns
 from nonsmooth.analysis.measurements.harness import Case, ResultRow, Rows, judged, refused
 from nonsmooth.proofs import measurements
 from nonsmooth.proofs.checker.files import check_file
+from nonsmooth.proofs.findings import Contradiction
 from nonsmooth.proofs.kernel.subject import NoCertificateError
-from nonsmooth.proofs.theorem4 import Contradiction
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import INTERRUPTED, run
 from nonsmooth.reports.simulations.mjcf import CONFORMS, Motion, WorldExport, export_scene, export_world

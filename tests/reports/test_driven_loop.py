@@ -29,8 +29,7 @@ from nonsmooth.proofs.answers.answers import QUESTIONS
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.loop_bounds import ultimate_bound
-from nonsmooth.proofs.findings import Certainty
-from nonsmooth.proofs.own_paths import ContradictionError
+from nonsmooth.proofs.findings import Certainty, ContradictionError
 from nonsmooth.proofs.theorem4 import Check, check_theorem4
 from nonsmooth.reports.laws.driven_loop import DrivenLoop
 from nonsmooth.reports.laws.feedback_loop import build_loop
