@@ -22,9 +22,8 @@ asked.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property, partial
 from itertools import combinations, product
@@ -48,6 +47,7 @@ from nonsmooth.proofs.rest_equations import (
     on_border,
     sliding_equations,
 )
+from nonsmooth.proofs.rest_segments import RestKind, RestSegment, joined, of_border, resting_in_cell, resting_on_plane
 from nonsmooth.proofs.system_decision import checked_point
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, border_parts, wave_border_parts
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
@@ -67,16 +67,6 @@ MOST_STATES = 4
 CLUSTER = 2.0**-10  # of the cube: in a smaller cluster of boxes that are left one place may rest
 ENDS = 2.0**-18  # of the cube: as near to the end of a stretch nothing is told apart from that
 SIMPLE = 1_000  # denominators of coordinates that are tried
-
-
-class RestKind(StrEnum):
-    """Where a place of rest lies."""
-
-    CELL = "inside a cell"
-    SLIDING = "on a surface that both fields lead to"
-    REPELLING = "on a surface that both fields lead away from"
-    BOUNDARY = "on a surface, where one of its fields is zero or runs along it"
-    CORNER = "where surfaces meet"
 
 
 @dataclass(frozen=True)
@@ -106,14 +96,13 @@ class EnclosedEquilibria:
 
     Attributes:
         places: those that are alone, from the nearest to the checked point on.
-        stretches: in the plane, parts of straight borders on which every place rests; their ends, too, as nearly as
-            they are known, a millionth of the cube.
+        stretches: segments on which every place rests.
         left: boxes, in coordinates of the states, in which it is not known what rests, or how many places; those of
             a small cluster are one.
     """
 
     places: tuple[EnclosedEquilibrium, ...]
-    stretches: tuple[BorderPart, ...]
+    stretches: tuple[RestSegment, ...]
     left: tuple[tuple[arb, ...], ...]
 
 
@@ -133,10 +122,11 @@ def rest_places(system: SwitchedSystem) -> EnclosedEquilibria:
     if len(system.states) > 2:
         search.look_where_surfaces_meet()
     search.look_in_clusters()
-    found = sorted(search.found, key=lambda own: sum(float(c) ** 2 for c in search.displaced(own.place)))
+    alone = (own for own in search.found if not search.is_at_end(own.place, 0.0))
+    found = sorted(alone, key=lambda own: sum(float(c) ** 2 for c in search.displaced(own.place)))
     left = [box for box in search.left if not search.is_at_end(box, ENDS)]
     return EnclosedEquilibria(
-        tuple(found), tuple(search.stretches), tuple(_joined_boxes(left, float(system.check.radius)))
+        tuple(found), tuple(joined(search.segments)), tuple(_joined_boxes(left, float(system.check.radius)))
     )
 
 
@@ -171,7 +161,7 @@ class _Search:
         ]
         self._fields: dict[tuple[int, ...], FieldInBalls] = {}
         self.found: list[EnclosedEquilibrium] = []
-        self.stretches = list(self._stretches())
+        self.segments = list(map(of_border, filter(self._is_stretch, self._borders)))
         self.left: list[tuple[arb, ...]] = []
 
     def displaced(self, place: Sequence[arb]) -> list[arb]:
@@ -183,9 +173,9 @@ class _Search:
         return tuple(own + c.ball() for own, c in zip(x, self.centre, strict=True))
 
     def is_at_end(self, place: Sequence[arb], room: float) -> bool:
-        """Whether a box may hold the end of a stretch, or be as near to it as a share of the cube."""
+        """Whether a box may hold the end of a segment, or be as near to it as a share of the cube."""
         near = self.radius.ball() * room * UNIT
-        ends = [end for part in self.stretches for end in (part.start, part.end)]
+        ends = [end for part in self.segments for end in (part.start, part.end)]
         boxes = [self.stated([own.ball() + near for own in end]) for end in ends]
         return any(overlap(box, place) for box in boxes)
 
@@ -211,15 +201,13 @@ class _Search:
             tell_count(number, len(patterns), "cells")
             signs = dict(zip(others, sides, strict=True))
             around = [self._field_of(signs | dict(zip(chosen, own, strict=True))) for own in self._sides(chosen)]
-            if chosen and self._is_no_border(around):
+            if (chosen and self._is_no_border(chosen, around)) or self._rests_on_segments(chosen, signs, around):
                 continue
             guards = [lambda z, k=k, side=side: self.value(k, z[: self.count]) * side for k, side in signs.items()]
             box = [self.radius.ball() * UNIT for _ in range(self.count)]
             if not chosen:
                 equations = cell_equations(around[0])
             elif len(chosen) == 1:
-                if self._rests_along(chosen[0], around):
-                    continue
                 equations = sliding_equations(around[0], around[1], self._with_slopes[chosen[0]])
                 box = [*box, (1 + UNIT) / 2]
             else:
@@ -272,9 +260,31 @@ class _Search:
     def _field_of(self, signs: dict[int, int]) -> FieldInBalls:
         return self.field(tuple(signs[k] for k in range(len(self.surfaces))))
 
-    def _is_no_border(self, around: Sequence[FieldInBalls]) -> bool:
-        """Whether the fields on the sides of what is held are one."""
-        return all(own.stated == around[0].stated for own in around)
+    def _is_no_border(self, chosen: tuple[int, ...], around: Sequence[FieldInBalls]) -> bool:
+        """Whether the fields on the sides of what is held are one, all over or on the surface.
+
+        What rests there rests in a closed cell then.
+        """
+        first, *others = (own.stated for own in around)
+        return all(
+            own == first or (len(chosen) == 1 and _meet_on(first, own, self.surfaces[chosen[0]])) for own in others
+        )
+
+    def _rests_on_segments(
+        self, chosen: tuple[int, ...], signs: Mapping[int, int], around: Sequence[FieldInBalls]
+    ) -> bool:
+        """Whether all that rests there is known, and on segments, which are noted."""
+        if len(chosen) > 1:
+            return False
+        fields, guards = [own.stated for own in around], [self.surfaces[k] * side for k, side in signs.items()]
+        if not chosen:
+            found = resting_in_cell(fields[0], guards, self.radius)
+        elif self._rests_along(chosen[0], around):
+            return True
+        else:
+            found = resting_on_plane(fields[0], fields[1], self.surfaces[chosen[0]], guards, self.radius)
+        self.segments += found or ()
+        return found is not None
 
     def _rests_along(self, k: int, around: Sequence[FieldInBalls]) -> bool:
         """Whether both fields are parallel all along a line in the plane, and stretches say where they are opposed."""
@@ -294,18 +304,6 @@ class _Search:
         cells = system_cells(self.system, square_regions(self.radius))
         fields = stated_fields(self.system, cells)
         return tuple(wave_border_parts(cells, fields) if self.system.rewriting.names else border_parts(cells))
-
-    def _stretches(self) -> Iterator[BorderPart]:
-        """Parts of borders in the plane on which every place rests; those that end at each other as one."""
-        waiting = [part for part in self._borders if self._is_stretch(part)]
-        while waiting:
-            own = waiting.pop()
-            other = next((part for part in waiting if part.kind is own.kind and _meet(part, own)), None)
-            if other is None:
-                yield _forward(own)
-            else:
-                waiting.remove(other)
-                waiting.append(_joined(own, other))
 
     def _is_stretch(self, part: BorderPart) -> bool:
         (a, b), (x, y) = part.normal, part.start
@@ -358,7 +356,7 @@ class _Search:
     def _add(self, place: EnclosedEquilibrium) -> None:
         """Note a place, unless it is known: on surfaces places are found from several sides."""
         known = any(overlap(own.place, place.place) for own in self.found)
-        if not known and not self.is_at_end(place.place, 0.0):
+        if not known:
             self.found.append(place)
 
     def _regular(
@@ -490,6 +488,17 @@ def _cross(first: StatedField, second: StatedField) -> Polynomial:
     return a * d - b * c
 
 
+def _meet_on(first: StatedField, second: StatedField, plane: Polynomial) -> bool:
+    """Whether two fields are equal all over a plane; on a curved surface that is not looked at."""
+    if plane.degree > 1 or first.waves != second.waves:
+        return False
+    values = list(Polynomial.coordinates(plane.field, first.rates[0].variables))
+    slopes = [plane.derivative(name).constant_value or plane.field.zero for name in plane.variables]
+    k = next(j for j, slope in enumerate(slopes) if slope)
+    values[k] -= plane.composed(values[: len(slopes)]) * slopes[k].inverse()
+    return not any((a - b).composed(values) for a, b in zip(first.rates, second.rates, strict=True))
+
+
 def _along_line(polynomial: Polynomial, line: Polynomial) -> Polynomial:
     """A polynomial in the plane, and in names of sines, at the points of a line, one after the other."""
     x, y = line.variables
@@ -499,23 +508,6 @@ def _along_line(polynomial: Polynomial, line: Polynomial) -> Polynomial:
     t, *names = Polynomial.coordinates(own, ("t", *polynomial.variables[2:]))
     size = (a * a + b * b).inverse()
     return polynomial.composed((t * -b - a * c * size, t * a - b * c * size, *names))
-
-
-def _meet(first: BorderPart, second: BorderPart) -> bool:
-    """Whether one of two parts of borders goes on where the other one ends, in the same direction."""
-    (a, b), (c, d) = first.normal, second.normal
-    return not a * d - b * c and bool({first.start, first.end} & {second.start, second.end})
-
-
-def _forward(part: BorderPart) -> BorderPart:
-    """The same from the end with the smaller coordinates."""
-    start, end = sorted((part.start, part.end), key=lambda own: tuple(map(float, own)))
-    return replace(part, start=start, end=end)
-
-
-def _joined(first: BorderPart, second: BorderPart) -> BorderPart:
-    start, end = {first.start, first.end} ^ {second.start, second.end}
-    return replace(first, start=start, end=end, is_exact=first.is_exact and second.is_exact)
 
 
 def _balls_hold_zero(vectors: Sequence[tuple[arb, arb]]) -> bool | None:

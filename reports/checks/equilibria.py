@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.proofs.decided_places import decided_places
 from nonsmooth.proofs.findings import Record, Translation
 from nonsmooth.proofs.rest_places import EnclosedEquilibria, EnclosedEquilibrium
-from nonsmooth.proofs.systems.border_motion import BorderKind
+from nonsmooth.proofs.rest_segments import RestKind
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import floats, with_exact
 from nonsmooth.reports.output.refusals import RefusedError, refusals_named
@@ -32,8 +32,9 @@ if TYPE_CHECKING:
 SCHEMA = "nonsmooth-equilibria/1"
 SIZE = 6.4  # inches
 STRETCHES = {
-    BorderKind.SLIDING: "every place of it rests, and both fields lead to it",
-    BorderKind.REPELLING: "every place of it rests, and both fields lead away from it",
+    RestKind.CELL: "every place of it rests",
+    RestKind.SLIDING: "every place of it rests, and both fields lead to it",
+    RestKind.REPELLING: "every place of it rests, and both fields lead away from it",
 }
 MARKERS: dict[Translation, Record] = {
     Translation.ASYMPTOTICALLY_STABLE: {"marker": "o", "color": "black", "label": "asymptotically stable"},
@@ -62,7 +63,7 @@ class EquilibriaResult(Result):
         head = {"schema": SCHEMA, "scene": self.system.name, "states": list(self.system.states)}
         about = with_exact({"at": self.system.check.equilibrium, "radius": self.system.check.radius})
         stretches = [
-            {"from": self._stated(part.start), "to": self._stated(part.end), "kind": str(part.kind)}
+            {"from": self._stated(part.start), "to": self._stated(part.end), "kind": part.kind.name.lower()}
             for part in self.found.stretches
         ]
         left = [[floats((x.lower(), x.upper())) for x in box] for box in self.found.left]
@@ -79,7 +80,7 @@ class EquilibriaResult(Result):
             exact = None if own.exact is None else exact_place(own.exact)
             error = max(float(x.rad()) for x in own.place)
             what = own.shape or None
-            numbers = [float(x) for x in own.place]
+            numbers = [float(x) for x in own.exact or own.place]
             on = "; ".join(own.surfaces) or None
             lines.append((*numbers, error, exact, str(own.kind), on, what, str(stability), by or None))
         names = ("error", "exact", "where", "surfaces", "shape", "stability", "by")
@@ -102,7 +103,7 @@ class EquilibriaResult(Result):
             (place_text(self._stated(part.start), 6), place_text(self._stated(part.end), 6), STRETCHES[part.kind])
             for part in self.found.stretches
         ]
-        return [*blocks, table(("from", "to", "border"), parts)] if parts else blocks
+        return [*blocks, table(("from", "to", "segment"), parts)] if parts else blocks
 
     def _open(self) -> list[str]:
         """How much is known to be all."""

@@ -15,7 +15,8 @@ from scipy.optimize import linprog
 import nonsmooth as ns
 from nonsmooth.proofs import decided_places as decided
 from nonsmooth.proofs.findings import ContradictionError, Translation
-from nonsmooth.proofs.rest_places import RestKind, rest_places
+from nonsmooth.proofs.rest_places import rest_places
+from nonsmooth.proofs.rest_segments import RestKind
 from tests.plain import stated
 from tests.thorough import keep
 
@@ -179,6 +180,84 @@ def test_what_is_not_isolated_is_left() -> None:
     assert result.exit_status == 3
     assert len(result.found.left) > 100
     assert all(abs(float(np.hypot(float(x), float(y))) - 1) < 0.05 for x, y in result.found.left)
+
+
+SEGMENTS = [
+    ("xy", "y; -y - relu(x - 1/2) + relu(-x - 1/2)", "cell", [(-0.5, 0), (0.5, 0)]),  # a dead zone
+    ("xvu", "v; -v + relu(u - 1/2) - relu(-u - 1/2); -u - x - v", "cell", [(-0.5, 0, 0.5), (0.5, 0, -0.5)]),
+    ("xy", "y - x; x - y", "cell", [(-2, -2), (2, 2)]),
+    ("xvw", "v; -x - w/3 - v - sign(v); -w", "sliding", [(-1, 0, 0), (1, 0, 0)]),  # dry friction in space
+    ("xvw", "v; -x - w/3 - v + sign(v); -w", "repelling", [(-1, 0, 0), (1, 0, 0)]),
+    (
+        "pqrs",
+        "q; -sat(2*p + 3*q) + r/5; s; -r - 2*s - sign(s)/4",
+        "sliding",
+        [(-0.025, 0, -0.25, 0), (0.025, 0, 0.25, 0)],
+    ),
+]
+
+
+@pytest.mark.parametrize(("states", "rhs", "kind", "ends"), SEGMENTS)
+def test_lines_of_equilibria_are_segments(states: str, rhs: str, kind: str, ends: list[tuple[float, ...]]) -> None:
+    """And nothing else is left, at their ends neither."""
+    result = ns.System(list(states), rhs.split("; "), radius=2).equilibria()
+    (segment,) = result.facts()["stretches"]
+    assert segment["kind"] == kind
+    assert [tuple(segment["from"]), tuple(segment["to"])] == ends
+    assert (result.exit_status, result.found.places) == (0, ())
+
+
+@pytest.mark.parametrize("seed", keep(10, range(150)))
+def test_all_that_rests_of_singular_pieces_is_found(seed: int) -> None:
+    """``x' = A x + b + c sgn(s)`` with a singular A in two or three states: places of most and least of any sum.
+
+    What rests in a cell, and on ``s = 0``, where sgn is any number of [-1, 1], are polyhedra.
+    """
+    drawn = np.random.default_rng(seed)
+    n = 2 + seed % 2
+    a = drawn.integers(-2, 3, (n, n - 1)) @ drawn.integers(-2, 3, (n - 1, n)) / 2
+    b, c = drawn.integers(-1, 2, n) / 2 * (seed % 3 == 0), drawn.integers(-2, 3, n) / 2 * (seed % 5 > 0)
+    normal, offset = drawn.integers(-2, 3, n), drawn.integers(-1, 2) / 4
+    normal[0] = normal[0] or 1
+    states = "xyz"[:n]
+    surface = " + ".join(f"({k})*{name}" for k, name in zip([*normal, offset], [*states, "1"], strict=True))
+    rhs = [
+        " + ".join(f"({k})*{name}" for k, name in zip([*row, p, q], [*states, "1", f"sign({surface})"], strict=True))
+        for row, p, q in zip(a, b, c, strict=True)
+    ]
+    found = rest_places(ns.System(list(states), rhs, radius=2).system)
+    ends = [[np.array(list(map(float, end))) for end in (own.start, own.end)] for own in found.stretches]
+    known = ends + [[np.array(list(map(float, own.place)))] * 2 for own in found.places]
+
+    def distance(x: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
+        along = end - start
+        share = np.clip((x - start) @ along / (along @ along or 1), 0, 1)
+        return float(np.linalg.norm(start + share * along - x))
+
+    cells = [((side, side), side) for side in (1, -1)]
+    for limits, side in [*cells, ((-1, 1), 0)]:
+        equal, zero = np.column_stack([a, c]), -b
+        if not side:
+            equal, zero = np.vstack([equal, [*normal, 0]]), np.append(zero, -offset)
+        for _ in range(4):
+            rest = linprog(
+                [*drawn.standard_normal(n), 0],
+                A_eq=equal,
+                b_eq=zero,
+                A_ub=[[*(-side * normal), 0]],
+                b_ub=[side * offset],
+                bounds=[(-2, 2)] * n + [limits],
+            )
+            if rest.status == 0:
+                x = rest.x[:n]
+                near = min((distance(x, *own) for own in known), default=np.inf)
+                assert near < 1e-6 or found.left, (rhs, x)
+    for start, end in ends:
+        for share in (0.01, 0.5, 0.99):
+            x = start + share * (end - start)
+            value = normal @ x + offset
+            signs = (np.sign(value),) * 2 if abs(value) > 1e-9 else (-1, 1)
+            assert linprog([0], A_eq=c[:, None], b_eq=-a @ x - b, bounds=[signs]).status == 0
 
 
 RESTS = [
