@@ -8,6 +8,7 @@ n + 1 equations for x and l: a *pseudo-equilibrium*, or *boundary equilibrium* w
 Gragnani 2003).  In the plane two surfaces meet in points, and 0 is in the hull of four fields,
 or not.  Boxes that hold no zero by their balls, or by Krawczyk's operator, are dropped, those in which it shows exactly
 one are kept, and others are halved: so nothing is missed, and what is left at the end is said to be left.
+Segments on which every place rests are told first (:mod:`nonsmooth.proofs.rest_segments`).
 
 Stability follows from the linearization where that decides, in balls: of f, or of the sliding motion with ``A = l f' +
 (1 - l) g'``, ``b = f - g`` and ``c = grad s``,

@@ -166,8 +166,10 @@ def _segments(
     line = _within(point, directions[0], sides)
     if line is None:
         return []
-    if line.first == line.last or any(not _along(line, row) for row in sides[: len(bounds)]):
-        return None  # one place, or on a border of the cell
+    if line.first == line.last:
+        return None
+    if any(not _along(line, row) for row in sides[: len(bounds)]):
+        kind = RestKind.BOUNDARY if kind is RestKind.CELL else RestKind.CORNER
     numbers = field.rates[0].field
     start, end, along = (
         tuple(map(numbers.rational, own[:count])) for own in (line.at(line.first), line.at(line.last), line.direction)

@@ -35,6 +35,8 @@ STRETCHES = {
     RestKind.CELL: "every place of it rests",
     RestKind.SLIDING: "every place of it rests, and both fields lead to it",
     RestKind.REPELLING: "every place of it rests, and both fields lead away from it",
+    RestKind.BOUNDARY: "every place of it rests, on a surface",
+    RestKind.CORNER: "every place of it rests, where surfaces meet",
 }
 MARKERS: dict[Translation, Record] = {
     Translation.ASYMPTOTICALLY_STABLE: {"marker": "o", "color": "black", "label": "asymptotically stable"},

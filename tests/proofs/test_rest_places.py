@@ -185,6 +185,12 @@ def test_what_is_not_isolated_is_left() -> None:
 SEGMENTS = [
     ("xy", "y; -y - relu(x - 1/2) + relu(-x - 1/2)", "cell", [(-0.5, 0), (0.5, 0)]),  # a dead zone
     ("xvu", "v; -v + relu(u - 1/2) - relu(-u - 1/2); -u - x - v", "cell", [(-0.5, 0, 0.5), (0.5, 0, -0.5)]),
+    (
+        "xy",
+        "y*(1 + sign(y)) - 1 + sign(y); 0*y - 1 + sign(y)",
+        "boundary",
+        [(-2, 0), (2, 0)],
+    ),  # one field is zero there
     ("xy", "y - x; x - y", "cell", [(-2, -2), (2, 2)]),
     ("xvw", "v; -x - w/3 - v - sign(v); -w", "sliding", [(-1, 0, 0), (1, 0, 0)]),  # dry friction in space
     ("xvw", "v; -x - w/3 - v + sign(v); -w", "repelling", [(-1, 0, 0), (1, 0, 0)]),
@@ -291,7 +297,6 @@ def test_a_second_place_where_one_attracts_is_a_contradiction(monkeypatch: pytes
     "rhs",
     [
         "sign(y); 0*x",  # both fields run along the border, in opposite directions
-        "y*(1 + sign(y)) - 1 + sign(y); 0*y - 1 + sign(y)",  # one is zero along it
         "y; -x - sign(y)*(3 + sign(x**2 + y**2 - 4))",  # dry friction that a curve parts
     ],
 )
