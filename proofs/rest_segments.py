@@ -132,6 +132,7 @@ def resting_on_plane(
     own, other, on = (_affine(parts, len(first.rates)) for parts in (first.rates, second.rates, [plane]))
     if own is None or other is None or on is None:
         return None
+    own, other = (_restricted(rows, on[0]) for rows in (own, other))
     apart = [[p - q for p, q in zip(a, b, strict=True)] for a, b in zip(own, other, strict=True)]
     if any(any(row[:-1]) for row in apart):
         return None  # the product of l and a state
@@ -144,6 +145,12 @@ def resting_on_plane(
     return _segments([*mixed, [*normal, fmpq(0), constant]], guards, radius, first, kind)
 
 
+def _restricted(rows: Sequence[Affine], plane: Affine) -> list[Affine]:
+    """Affine functions on a plane, without a coordinate that it determines."""
+    k = next(k for k, slope in enumerate(plane[:-1]) if slope)
+    return [[a - row[k] / plane[k] * b for a, b in zip(row, plane, strict=True)] for row in rows]
+
+
 def _segments(
     equations: list[Affine] | None, guards: Sequence[Polynomial], radius: Number, field: StatedField, kind: RestKind
 ) -> list[RestSegment] | None:
@@ -152,34 +159,38 @@ def _segments(
     bounds = _affine(guards, count)
     if equations is None or bounds is None or half is None:
         return None
-    unknowns = len(equations[0]) - 1
-    units = [[fmpq(j == k) for j in range(unknowns)] for k in range(unknowns)]
-    sides = [[*row[:-1], *[fmpq(0)] * (unknowns - count), row[-1]] for row in bounds]
-    sides += [[*(a * side for a in unit), half] for unit in units[:count] for side in (1, -1)]
-    sides += [[*(a * side for a in unit), fmpq(side < 0)] for unit in units[count:] for side in (1, -1)]
     found = _solutions(equations)
     if found is None:
         return []
     point, directions = found
     if len(directions) != 1 or not any(directions[0][:count]):
         return None
-    line = _within(point, directions[0], sides)
+    further = len(point) - count
+    around = [[*row[:-1], *[fmpq(0)] * further, row[-1]] for row in bounds]
+    shares = _between(range(count, len(point)), len(point), fmpq(0), fmpq(1))
+    line = _within(point, directions[0], [*around, *_between(range(count), len(point), -half, half), *shares])
     if line is None:
         return []
     if line.first == line.last:
         return None
-    if any(not _along(line, row) for row in sides[: len(bounds)]):
+    if any(_is_zero_along(line, row) for row in around):
         kind = RestKind.BOUNDARY if kind is RestKind.CELL else RestKind.CORNER
-    numbers = field.rates[0].field
-    start, end, along = (
-        tuple(map(numbers.rational, own[:count])) for own in (line.at(line.first), line.at(line.last), line.direction)
-    )
+    elif any(_is_zero_along(line, row) for row in shares):
+        kind = RestKind.BOUNDARY
+    ends = (line.at(line.first), line.at(line.last), line.direction)
+    start, end, along = (tuple(map(field.rates[0].field.rational, own[:count])) for own in ends)
     return [_forward(RestSegment(start, end, kind, along))]
 
 
-def _along(line: SolutionLine, row: Affine) -> bool:
-    """Whether an affine function is not zero all along a line."""
-    return any(_value(row, line.at(t)) for t in (line.first, line.last))
+def _between(places: Iterable[int], unknowns: int, low: fmpq, high: fmpq) -> list[Affine]:
+    """What is not negative where some unknowns lie between two numbers."""
+    units = [[fmpq(j == k) for j in range(unknowns)] for k in places]
+    return [row for own in units for row in ([*own, -low], [*(-a for a in own), high])]
+
+
+def _is_zero_along(line: SolutionLine, row: Affine) -> bool:
+    """Whether an affine function is zero all along a line."""
+    return not any(_value(row, line.at(t)) for t in (line.first, line.last))
 
 
 def _value(row: Affine, place: Sequence[fmpq]) -> fmpq:
