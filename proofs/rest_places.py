@@ -144,8 +144,8 @@ def _require_few(system: SwitchedSystem) -> None:
     if len(system.states) > MOST_STATES:
         raise SceneError(system.origin, "system.states", f"at most {MOST_STATES} states", list(system.states))
     if system.vanishing or system.rewriting.norms:
-        expected = "formulas without norms, and without denominators that are zero at the checked point"
-        raise SceneError(system.origin, "system.rhs", expected, StatedFact("some"))
+        expected = "formulas without norms, and without denominators that are zero at the checked point (with them"
+        raise SceneError(system.origin, "system.rhs", f"{expected} check decides one place)", StatedFact("some"))
     require_denominators(system)
 
 
