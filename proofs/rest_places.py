@@ -56,8 +56,8 @@ from nonsmooth.symbolic.messages.under_way import tell_count
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import (
+    CheckedCube,
     SwitchedSystem,
-    SystemCheck,
     require_one_field,
     signs_by_factors,
 )
@@ -450,7 +450,7 @@ def at_place(system: SwitchedSystem, place: EnclosedEquilibrium) -> SwitchedSyst
     if not room > 0:
         return None
     lyapunov = parse_piecewise(" + ".join(f"{name}**2" for name in system.states), system.states)
-    return replace(system, check=SystemCheck(place.exact, room, lyapunov, is_default=True))
+    return replace(system, check=CheckedCube(place.exact, room, lyapunov, is_default=True))
 
 
 def _clusters(boxes: Sequence[Sequence[arb]]) -> list[Box]:
