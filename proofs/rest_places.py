@@ -57,8 +57,8 @@ from nonsmooth.symbolic.messages.under_way import tell_count
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import (
+    CheckedCube,
     SwitchedSystem,
-    SystemCheck,
     require_one_field,
     signs_by_factors,
 )
@@ -135,8 +135,8 @@ def _require_few(system: SwitchedSystem) -> None:
     if len(system.states) > MOST_STATES:
         raise SceneError(system.origin, "system.states", f"at most {MOST_STATES} states", list(system.states))
     if system.vanishing or system.rewriting.norms:
-        expected = "formulas without norms, and without denominators that are zero at the checked point"
-        raise SceneError(system.origin, "system.rhs", expected, StatedFact("some"))
+        expected = "formulas without norms, and without denominators that are zero at the checked point (with them"
+        raise SceneError(system.origin, "system.rhs", f"{expected} check decides one place)", StatedFact("some"))
     require_denominators(system)
 
 
@@ -449,7 +449,7 @@ def at_place(system: SwitchedSystem, place: EnclosedEquilibrium) -> SwitchedSyst
     if not room > 0:
         return None
     lyapunov = parse_piecewise(" + ".join(f"{name}**2" for name in system.states), system.states)
-    return replace(system, check=SystemCheck(place.exact, room, lyapunov, is_default=True))
+    return replace(system, check=CheckedCube(place.exact, room, lyapunov, is_default=True))
 
 
 def _clusters(boxes: Sequence[Sequence[arb]]) -> list[Box]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs import clause_registry
 from nonsmooth.proofs.answers.answer import (
+    DIGITS,
     Answer,
     Position,
     Question,
@@ -30,6 +31,7 @@ from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import under_rule
 from nonsmooth.symbolic.messages.under_way import part_of, tell
+from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 if TYPE_CHECKING:
@@ -303,8 +305,11 @@ def _words_of_ends(scene: Scene, found: Robust, unit: str) -> dict[str, str]:
     """Where every body ends."""
     if found.start is None or found.radius is None or found.within is None:
         return {}
+    near = f"the body ends within {at_most(found.radius)}{unit} of the point"
+    if found.radius > scene.accuracy:
+        near += f", farther than the accuracy, {float_text(float(scene.accuracy), DIGITS)}{unit}"
     words = {
-        "radius": f"for every array within them, the body ends within {at_most(found.radius)}{unit} of the point",
+        "radius": f"for every array within them, {near}",
         "from": f"from anywhere within {at_least(found.start)}{unit}",
         "within": f"after at most {at_most(found.within)} s",
     }

@@ -36,7 +36,7 @@ class Certainty(StrEnum):
 
 
 class Translation(StrEnum):
-    """Stability of (x, y), strong: of every Filippov solution."""
+    """Stability of a body's position, or of the checked point of a plain system; strong: of every Filippov solution."""
 
     ASYMPTOTICALLY_STABLE = "asymptotically stable"
     STABLE = "stable"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.reports.output.files import output_path, write_whole
@@ -140,11 +141,11 @@ class CheckStudy(SceneStudy[CheckOptions]):
                 require_tolerances(scene)
             if scene.kind is SceneKind.SYSTEM:
                 _require_array(scene, f"--rule {ALL_RULES}" * (options.rule == ALL_RULES), "a plain system")
-                _require_array(
-                    scene, "--at auto" * (options.at == AUTO), "a plain system, of which equilibria finds them"
-                )
+                finder = f"a plain system, of which nonsmooth equilibria {quote(scene.origin)} finds the places of rest"
+                _require_array(scene, "--at auto" * (options.at == AUTO), finder)
                 unused = next((flag for name, flag in OF_ARRAYS.items() if name in asked.given), "")
-                _require_array(scene, unused, "a plain switched system")
+                by_itself = ", whose exit status is 0 where it is stable" if unused == "--require" else ""
+                _require_array(scene, unused, f"a plain switched system{by_itself}")
         if len(scenes) > 1:
             asked.refuse(OF_ONE_SCENE, "one scene", str(len(scenes)))
         elif scenes[0].kind is SceneKind.SYSTEM:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.decided_places import decided_places
@@ -90,7 +91,7 @@ class EquilibriaResult(Result):
 
     def blocks(self) -> Sequence[Block]:
         """The places, stretches, and what is left."""
-        return [*sentences(self._head()), *self._tables(), *sentences(*self._open())]
+        return [*sentences(self._head()), *self._tables(), *sentences(*self._open(), *self._undecided())]
 
     def _head(self) -> str:
         return f"{one_line(self.system.name)}: plain switched system in {', '.join(self.system.states)}"
@@ -111,13 +112,27 @@ class EquilibriaResult(Result):
         """How much is known to be all."""
         half = float(self.system.check.radius)
         square = f"within {half:.6g} of {place_text(self.system.check.place)} in each state"
+        said = "No other place rests" if self.found.places or self.found.stretches else "No place rests"
         if not self.found.left:
-            said = "No other place rests" if self.found.places or self.found.stretches else "No place rests"
             return [f"{said} {square}."]
         first = self.found.left[0]
         near, count = place_text([float(x) for x in first], 4), len(self.found.left)
         where = f"a small box about {near}" if count == 1 else f"{count} small boxes, one of them about {near}"
-        return [f"Not known {square}: what else rests in {where}."]
+        return [f"{said} {square} outside of {where}, of which that is not known."]
+
+    def _undecided(self) -> list[str]:
+        """What can be asked about the first place whose stability is open."""
+        open_places = (
+            own
+            for own, (stability, _) in zip(self.found.places, self.verdicts, strict=True)
+            if stability is Translation.UNDECIDED
+        )
+        for own in open_places:
+            if own.exact is None:
+                return [f"Undecided {_place(own)}: its coordinates are not simple, so only its linearization is asked."]
+            at = _place(own).strip("()").replace(" ", "")
+            return [f"Undecided {_place(own)}: nonsmooth check {quote(self.system.origin)} --at {at} says more."]
+        return []
 
     def summary(self) -> str:
         """How many places."""
@@ -145,9 +160,10 @@ class EquilibriaResult(Result):
         centre = self.system.check.place
         for axis, middle in zip((ax.xaxis, ax.yaxis), centre, strict=True):  # the field is drawn from the checked point
             axis.set_major_formatter(partial(_moved, middle))
-        for part in self.found.stretches:
+        for number, part in enumerate(self.found.stretches):
             ends = [[float(end[k]) for end in (part.start, part.end)] for k in (0, 1)]
-            ax.plot(*ends, color="black", linewidth=4, solid_capstyle="round", zorder=5)
+            label = "_" if number else "stretch of rest"
+            ax.plot(*ends, color="black", linewidth=5, solid_capstyle="round", zorder=5, label=label)
         shown = set[Translation]()
         for own, (stability, _) in zip(self.found.places, self.verdicts, strict=True):
             x, y = (float(a) - c for a, c in zip(own.place, centre, strict=True))
@@ -183,7 +199,7 @@ def _where(own: EnclosedEquilibrium) -> str:
 
 
 class Equilibria(SceneStudy[Options]):
-    """All places of rest of a plain system."""
+    """Finds all places of rest of a plain system in the square, or cube, about the checked point."""
 
     options = Options
     files = "Write them: .csv, .json, .parquet, or of two states a picture, .svg, .png or .pdf."

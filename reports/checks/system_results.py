@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -24,6 +25,7 @@ from nonsmooth.proofs.system_facts import (
     system_facts,
 )
 from nonsmooth.proofs.systems.domain import DecayKind
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.facts import fact_record, fact_rows, with_exact
 from nonsmooth.reports.output.progress import progress
@@ -307,6 +309,8 @@ class SystemCheckResult(FactResult):
         answers = answers_table(system_answers(self.evidence))
         if self.hint:
             more.append(Text(self.hint, "dim"))
+        if self.evidence.method is Method.EQUILIBRIUM:
+            more.append(Text(f"nonsmooth equilibria {shlex.quote(scene.origin)} finds what rests about it", "dim"))
         return [Group(head, answers, *details, *notes_lines(scene.field), *more)]
 
     def __repr__(self) -> str:

@@ -262,7 +262,9 @@ def speed_hints(document: SceneDocument, wheels: Sequence[Wheel]) -> Iterator[st
         return
     numbers = numbers_text(tuple(wheel.index for wheel in silent))
     who = "no wheel states a speed" if len(silent) == len(wheels) else f"no speed is stated of wheels {numbers}"
-    fields = " ([field] speed is that of wheels without a heading)" if of_field else ""
+    fields = (
+        " ([field] speed is that of wheels without a heading)" if of_field else " (speed of a wheel is a key or column)"
+    )
     yield f"[units]: {who}: they run at {float(silent[0].speed):.4g} {document.units.labels.speed}{fields}"
 
 

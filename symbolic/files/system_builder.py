@@ -45,7 +45,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
 from nonsmooth.symbolic.numbers.number_text import short_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.switched_system import Enclosed, Rewriting, SeenByRoots, SwitchedSystem, SystemCheck
+from nonsmooth.symbolic.systems.switched_system import CheckedCube, Enclosed, Rewriting, SeenByRoots, SwitchedSystem
 
 # Said of a system with a state V: to rename it would change what the user wrote.
 TWO_MEANINGS = (
@@ -203,7 +203,7 @@ def _plain_system(
     formulas = [formula for side in (rhs, *others) for formula in side]
     turns = [turn for formula in (*formulas, lyapunov) for turn in formula.turns()]
     numbers = Numbers(file, field_of([*turns, *angles(check)]))
-    checked = SystemCheck(
+    checked = CheckedCube(
         _equilibrium(check, states, numbers),
         _radius(check.radius, numbers),
         lyapunov,

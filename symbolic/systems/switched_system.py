@@ -63,7 +63,7 @@ class UnknownSign(Exception):
 
 
 @dataclass(frozen=True)
-class SystemCheck:
+class CheckedCube:
     """What is checked: the equilibrium ``x*``, and the cube ``|x_k - x*_k| <= radius`` about it.
 
     ``lyapunov`` is V in the displacement from ``x*``, written with the states' names; ``is_default`` where the scene
@@ -178,7 +178,7 @@ class SwitchedSystem(ShortRepr):
     field: NumberField
     states: tuple[str, ...]
     rhs: tuple[PiecewiseExpression, ...]
-    check: SystemCheck
+    check: CheckedCube
     source: str = ""
     others: tuple[tuple[PiecewiseExpression, ...], ...] = ()
     rewriting: Rewriting = Rewriting()

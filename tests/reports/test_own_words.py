@@ -111,6 +111,7 @@ def test_sizes_a_thousand_times_off_are_told(tmp_path: Path, changed: str, hint:
 
 
 SILENT = "no wheel states a speed"
+OF_WHEEL = " (speed of a wheel is a key or column)"
 OF_FIELD = " ([field] speed is that of wheels without a heading)"
 TWO_SILENT = "no speed is stated of wheels A1, B2"
 
@@ -119,10 +120,10 @@ TWO_SILENT = "no speed is stated of wheels A1, B2"
     ("units", "field", "columns", "hint"),
     [
         ('length = "mm"', 'kind = "radial", speed = 100', "", None),
-        ('length = "mm"', 'kind = "radial"', "", f"{SILENT}: they run at 1 mm/s"),
-        ('length = "mm", speed = "m/s"', 'kind = "saddle"', "", f"{SILENT}: they run at 1000 mm/s"),
+        ('length = "mm"', 'kind = "radial"', "", f"{SILENT}: they run at 1 mm/s{OF_WHEEL}"),
+        ('length = "mm", speed = "m/s"', 'kind = "saddle"', "", f"{SILENT}: they run at 1000 mm/s{OF_WHEEL}"),
         ('length = "mm"', 'kind = "radial", speed = 100', "heading", f"{TWO_SILENT}: they run at 1 mm/s{OF_FIELD}"),
-        ('length = "mm"', 'kind = "radial"', "speed", f"{TWO_SILENT}: they run at 1 mm/s"),
+        ('length = "mm"', 'kind = "radial"', "speed", f"{TWO_SILENT}: they run at 1 mm/s{OF_WHEEL}"),
         ('angle = "deg"', 'kind = "radial"', "", None),
     ],
 )
