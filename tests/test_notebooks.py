@@ -24,8 +24,8 @@ warnings.filterwarnings("ignore", module=".*(ipykernel|matplotlib_inline)")
 """
 SECONDS = 60  # for a whole notebook: a student waits for it
 RUN = "from-a-measured-table-to-a-law"
-# Of its paths, whose pictures are of the same kind.
-SHORTER = {"until=0.15,": "until=0.05,", "start, until=1": "start, until=0.2"}
+# Of its paths, whose pictures are of the same kind, and of the wheels that fail.
+SHORTER = {"until=0.15,": "until=0.05,", "start, until=1": "start, until=0.2", "in names:": "in names[:2]:"}
 FORMULA, PICTURE, TABLE = "text/latex", "image/svg+xml", "text/html"
 VIEW = "application/vnd.jupyter.widget-view+json"
 

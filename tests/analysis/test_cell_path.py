@@ -417,6 +417,7 @@ STIFF = (
 STIFF_HEADING_ERROR = 0.04  # without shorter steps in layers 0.1 to 1
 
 
+@few(2)
 @pytest.mark.parametrize(
     ("rows", "columns", "width", "height", "side", "start"),
     [

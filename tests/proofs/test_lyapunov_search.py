@@ -238,7 +238,7 @@ def test_a_searched_v_is_proved_as_far_as_it_falls(
     [
         ("y", "-x - y", 1.0),  # twice the real part of its eigenvalues: no V falls faster
         ("y", "-x - y/10 - Max(x, 0)", 0.1),
-        ("y", "-x - y/2*(1 + 3*sign(x))", 2.0),  # twice the eigenvalue of a node, which solutions come to on one side
+        ("y", "-x - y/2*(2 + 3*sign(x))", 1.0),  # twice the eigenvalue of a node, which solutions come to on one side
         ("y", "-x - y/2*(1 + 3*sign(x - sqrt(2)*y))", np.inf),
     ],
 )

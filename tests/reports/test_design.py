@@ -330,7 +330,7 @@ name = "squeeze"
 units = { length = "mm", speed = "m/s" }
 friction = { mu_roll = 0.8, mu_side = 0.8 }
 contact = { rule = "ellipse" }
-grid = { rows = 8, columns = 8, pitch = 60 }
+grid = { rows = 6, columns = 6, pitch = 70 }
 field = { kind = "elliptic", a = 1, b = 2, speed = 0.1 }
 body = { shape = "rectangle", width = 330, height = 130, heading = "7 deg" }
 """

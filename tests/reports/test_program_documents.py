@@ -89,7 +89,7 @@ def printed(capsys: pytest.CaptureFixture[str], command: str) -> dict[str, Any]:
     return record
 
 
-@few(10)
+@few(6)
 @pytest.mark.parametrize("command", CASES)
 def test_every_key_is_in_the_table(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     record, schema = printed(capsys, command), CASES[command]

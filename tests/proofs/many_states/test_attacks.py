@@ -519,6 +519,7 @@ def test_places_of_the_ray_are_equilibria(states: list[str], rhs: list[str]) -> 
         assert rest < 1e-6
 
 
+@few(3)
 @pytest.mark.parametrize(("states", "rhs"), RESTS[:-1])
 def test_the_point_is_said_not_to_attract(states: list[str], rhs: list[str]) -> None:
     result = decide_system(system(states, rhs))
