@@ -138,10 +138,8 @@ def resting_on_plane(
         return None  # the product of l and a state
     *normal, constant = on[0]
     across = sum((a * row[-1] for a, row in zip(normal, apart, strict=True)), start=fmpq(0))
-    if not across:
-        return None
     mixed = [[*row[:-1], gap[-1], row[-1]] for row, gap in zip(other, apart, strict=True)]
-    kind = RestKind.SLIDING if across < 0 else RestKind.REPELLING
+    kind = RestKind.SLIDING if across < 0 else RestKind.REPELLING if across > 0 else RestKind.BOUNDARY
     return _segments([*mixed, [*normal, fmpq(0), constant]], guards, radius, first, kind)
 
 

@@ -197,7 +197,7 @@ def _under_rules(scene: Any, options: CheckOptions) -> list[Any]:
 # ---- one array -----------------------------------------------------------------------------------
 
 
-def check_scene(  # one keyword for each choice
+def check_array(  # one keyword for each choice
     scene: Scene,
     *,
     prune: bool = True,
@@ -273,7 +273,7 @@ def _under_one_rule(
 ) -> CheckResult:
     """The check of an array under one rule, alone or among several."""
     with refusals_named(scene):
-        result = check_scene(
+        result = check_array(
             scene,
             prune=options.prune,
             best=options.at == AUTO,
@@ -426,7 +426,7 @@ def _summary_line(scene: Any, options: CheckOptions, *, records: bool) -> Summar
         return SummaryLine(scene.origin, NONE, (found.verdict,), NONE, found.exit_status, found.facts())
     rule = str(scene.contact.rule)
     try:
-        result = check_scene(scene, prune=options.prune)
+        result = check_array(scene, prune=options.prune)
         record = result.facts() if records else {}
         answers = tuple(str(answer.verdict) for answer in (result.position, result.heading, result.pose))
         status = exit_status(result.evidence, options.required)

@@ -24,7 +24,7 @@ from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 from nonsmooth.proofs.clauses.workspace import ClauseResult
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.theorem4 import SEARCH_UNITS, judge_equilibria
-from nonsmooth.reports.checks.check import check_scene
+from nonsmooth.reports.checks.check import check_array
 from nonsmooth.reports.checks.check_results import ArrayAnswers, CheckResult, TippedResult
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.output.facts import fact_lines, fact_record, floats
@@ -267,7 +267,7 @@ def proved(array: Array, announce: Announce) -> CheckResult:
         SceneError: where a wheel lies exactly under the edge of the body.
     """
     built = array.partition if has_cells(array.scene) else None
-    return check_scene(array.scene, ask_others=False, beside=False, announce=announce, built=built)
+    return check_array(array.scene, ask_others=False, beside=False, announce=announce, built=built)
 
 
 def exact_stage(result: ArrayAnswers) -> Stage:

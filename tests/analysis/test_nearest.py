@@ -487,14 +487,14 @@ def test_quotients_of_numbers_beyond_floats() -> None:
 @pytest.mark.parametrize("length", ["1e-300", "1e150"])
 def test_whole_checks(length: str, tmp_path: Path) -> None:
     """Every number of a check under rule ``box`` can be printed."""
-    from nonsmooth.reports.checks.check import check_scene
+    from nonsmooth.reports.checks.check import check_array
 
     corners = ((1, 1), (-1, 1), (-1, -1), (1, -1))
     places = [[f"{'-' * (a < 0)}{length}" for a in corner] for corner in corners]
     wheels = "\n".join(f'[[wheel]]\nposition = {place}\nheading = "inward"'.replace("'", '"') for place in places)
     path = tmp_path / "far.toml"
     path.write_text(f'{wheels}\n[friction]\nmu_roll = 1\nmu_side = "1/5"\n[contact]\nrule = "box"\n', encoding="utf-8")
-    result, usual = check_scene(load_scene(path)), check_scene(load_scene("four-wheel", rule="box"))
+    result, usual = check_array(load_scene(path)), check_array(load_scene("four-wheel", rule="box"))
     assert result.evidence.partition is not None
     assert {k: str(v.verdict) for k, v in result.evidence.results.items()} == {
         k: str(v.verdict) for k, v in usual.evidence.results.items()

@@ -191,6 +191,8 @@ SEGMENTS = [
         "boundary",
         [(-2, 0), (2, 0)],
     ),  # one field is zero there
+    ("xy", "sign(y); 0*x", "boundary", [(-2, 0), (2, 0)]),  # both fields run along the border, in opposite directions
+    ("xyz", "y; z; -2*sign(x) - 3*sign(y) - z", "boundary", [(-2, 0, 0), (2, 0, 0)]),
     ("xy", "y - x; x - y", "cell", [(-2, -2), (2, 2)]),
     ("xvw", "v; -x - w/3 - v - sign(v); -w", "sliding", [(-1, 0, 0), (1, 0, 0)]),  # dry friction in space
     ("xvw", "v; -x - w/3 - v + sign(v); -w", "repelling", [(-1, 0, 0), (1, 0, 0)]),
@@ -296,7 +298,6 @@ def test_a_second_place_where_one_attracts_is_a_contradiction(monkeypatch: pytes
 @pytest.mark.parametrize(
     "rhs",
     [
-        "sign(y); 0*x",  # both fields run along the border, in opposite directions
         "y; -x - sign(y)*(3 + sign(x**2 + y**2 - 4))",  # dry friction that a curve parts
     ],
 )

@@ -19,7 +19,7 @@ import nonsmooth
 from nonsmooth.analysis.bodies.many_paths import BodyEnd
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.reports.checks.answers import destinations_head
-from nonsmooth.reports.checks.check import check_scene
+from nonsmooth.reports.checks.check import check_array
 from nonsmooth.reports.figures.path import MARKERS
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.simulations.body_maps import BodyMapResult
@@ -238,7 +238,7 @@ def test_it_says_where_bodies_tip_and_over_which_wheels(table_file: Path, invoke
 
 
 def test_a_check_says_which_part_of_the_stated_square_its_shares_are_of(table_file: Path) -> None:
-    scene = check_scene(load_scene(table_file), ask_others=False).scene
+    scene = check_array(load_scene(table_file), ask_others=False).scene
     head = destinations_head(scene, 121)
     assert "in the square within 25 mm, 6.25 % of the 100 mm square that is stated (--grid 9 maps that)" in head
     assert "on the wheels that carry it here" in head

@@ -13,7 +13,7 @@ from rich.console import Console
 
 from nonsmooth.reports.checks.agreement import compare_scene
 from nonsmooth.reports.checks.answers import answers_view
-from nonsmooth.reports.checks.check import check_scene
+from nonsmooth.reports.checks.check import check_array
 from nonsmooth.reports.checks.check_results import CheckResult
 from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, derive_report, render_report
 from nonsmooth.reports.formats.markdown import render_markdown
@@ -87,7 +87,7 @@ y = "-x - y/2 - y*y*x/28 - 3/28*x*x*x"
 def result(tmp_path_factory: pytest.TempPathFactory) -> CheckResult:
     file = tmp_path_factory.mktemp("bodies") / "swirl.toml"
     file.write_text(SWIRL, encoding="utf-8")
-    return check_scene(load_scene(file), ask_others=False)
+    return check_array(load_scene(file), ask_others=False)
 
 
 @thorough  # the small one: test_python_offers_the_list
@@ -138,7 +138,7 @@ def test_python_offers_the_list(result: CheckResult) -> None:
     found = result.equilibrium_headings
     assert found is not None
     assert [entry.edge for entry in found.found if not entry.proved] == [(9, 12), (9, 12)]
-    assert check_scene(load_scene("four-wheel"), ask_others=False).equilibrium_headings is None
+    assert check_array(load_scene("four-wheel"), ask_others=False).equilibrium_headings is None
 
 
 # ---- ``check --continuum``: the continuous idealization beside the verdicts, and where there is none.

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.proofs.clauses.workspace import unheard
-from nonsmooth.reports.checks.check import check_scene
+from nonsmooth.reports.checks.check import check_array
 from nonsmooth.reports.interface.array import Array, load
 from nonsmooth.reports.workbench import array_view
 from nonsmooth.reports.workbench.array_view import fast_stage
@@ -312,7 +312,7 @@ def exact(document: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
 
 def record(scene: Scene) -> dict[str, Any]:
     """What the command says, without a word of the other rules."""
-    return check_scene(scene, ask_others=False).to_dict()
+    return check_array(scene, ask_others=False).to_dict()
 
 
 @few(4)
