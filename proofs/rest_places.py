@@ -435,8 +435,9 @@ class _Search:
 
 
 def at_place(system: SwitchedSystem, place: EnclosedEquilibrium) -> SwitchedSystem | None:
-    """The system that is checked at a place of rest, on a cube within that which was searched; None where it cannot be.
+    """The system that is checked at a place of rest; None where it cannot be.
 
+    It is checked on the largest cube within that which was searched; where the place is on its border on one as large.
     Sines are enclosed about the checked point, so it is at no other place, and coordinates must be exact.
     """
     check = system.check
@@ -447,7 +448,9 @@ def at_place(system: SwitchedSystem, place: EnclosedEquilibrium) -> SwitchedSyst
     away = zip(place.exact, check.equilibrium, strict=True)
     room = min((check.radius - abs(a - c) for a, c in away), key=float)
     if not room > 0:
-        return None
+        if system.rewriting.scale is not None:
+            return None  # denominators may vanish beyond the cube
+        room = check.radius
     lyapunov = parse_piecewise(" + ".join(f"{name}**2" for name in system.states), system.states)
     return replace(system, check=CheckedCube(place.exact, room, lyapunov, is_default=True))
 

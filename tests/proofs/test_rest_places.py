@@ -174,6 +174,12 @@ def test_where_the_linearization_says_nothing_theorems_are_asked() -> None:
     assert corner["stability"] == "asymptotically stable"
 
 
+def test_theorems_are_asked_on_the_border_of_the_cube_too() -> None:
+    """The bend is at the place, so its linearization says nothing."""
+    (row,) = stated("-x - Abs(x + 1/2)/2 - 1/2; -y", radius="1/2").equilibria().rows()
+    assert (row["exact"], row["stability"]) == ("(-1/2, 0)", "asymptotically stable")
+
+
 def test_what_is_not_isolated_is_left() -> None:
     """A circle of equilibria."""
     result = stated("x*(1 - x**2 - y**2); y*(1 - x**2 - y**2)", radius=2).equilibria()
