@@ -12,7 +12,6 @@ import operator
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import permutations
 from math import prod
 from typing import Any
 
@@ -29,6 +28,7 @@ from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 LINEARIZED = "linearization"
+ROUNDED_DOWN = 1 - 2.0**-50  # of a float that is rounded to the nearest one
 
 
 def _ball(value: Fraction) -> arb:
@@ -73,7 +73,7 @@ class DecidedPlace:
             return result.reach.everywhere
         system = result.scene
         away = [x - c.ball() for x, c in zip(box, system.check.equilibrium, strict=True)]
-        half = arb(float(region.radius))
+        half = arb(float(region.radius)) * ROUNDED_DOWN
         if not all(bool(abs(x) < half) for x in away):
             return False
         value = BALLS.value(function.formula.tree, dict(zip(system.states, away, strict=True)))
@@ -92,9 +92,7 @@ def decided_places(system: SwitchedSystem) -> tuple[EnclosedEquilibria, tuple[De
     for number, place in enumerate(found.places):
         with part_of(number, len(found.places), "places"):
             decided.append(_decided(system, place))
-    for own, other in permutations(decided, 2):
-        if own.attracts_all(other.place.place):
-            _refuse_contradiction(system, own.place, other.place)
+    _refuse_contradiction(system, found, decided)
     left = [box for box in found.left if not any(own.attracts_all(box) for own in decided)]
     return replace(found, left=tuple(left)), tuple(decided)
 
@@ -114,7 +112,15 @@ def _decided(system: SwitchedSystem, place: EnclosedEquilibrium) -> DecidedPlace
     return DecidedPlace(place, result.verdict, str(result.method), result)
 
 
-def _refuse_contradiction(system: SwitchedSystem, own: EnclosedEquilibrium, other: EnclosedEquilibrium) -> None:
-    here, there = (place_text([float(x) for x in place.place]) for place in (own, other))
-    sides = f"every start near {here}, as {there}, is certified to come to it", f"what starts at {there} may rest there"
-    raise ContradictionError(system.name, Contradiction("region and place of rest", sides))
+def _refuse_contradiction(system: SwitchedSystem, found: EnclosedEquilibria, decided: Sequence[DecidedPlace]) -> None:
+    """Refuse a place that rests, and the end of a segment, if every start there is certified to come to another one."""
+    centre = [c.ball() for c in system.check.equilibrium]
+    ends = [end for own in found.stretches for end in (own.start, own.end)]
+    resting = [tuple(x.ball() + c for x, c in zip(end, centre, strict=True)) for end in ends]
+    for own in decided:
+        others = (other.place.place for other in decided if other is not own)
+        for other in filter(own.attracts_all, (*others, *resting)):
+            here, there = (place_text([float(x) for x in place]) for place in (own.place.place, other))
+            certified = f"every start near {here}, as {there}, is certified to come to it"
+            sides = certified, f"what starts at {there} may rest there"
+            raise ContradictionError(system.name, Contradiction("region and place of rest", sides))

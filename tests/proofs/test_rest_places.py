@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from fractions import Fraction
 from itertools import product
 
 import numpy as np
@@ -16,7 +17,7 @@ import nonsmooth as ns
 from nonsmooth.proofs import decided_places as decided
 from nonsmooth.proofs.findings import ContradictionError, Translation
 from nonsmooth.proofs.rest_places import rest_places
-from nonsmooth.proofs.rest_segments import RestKind
+from nonsmooth.proofs.rest_segments import RestKind, RestSegment
 from tests.plain import stated
 from tests.thorough import keep
 
@@ -298,6 +299,11 @@ def test_a_second_place_where_one_attracts_is_a_contradiction(monkeypatch: pytes
     second = replace(own, place=(arb(1) / 8, arb(0)), exact=None)
     monkeypatch.setattr(decided, "rest_places", lambda _: replace(found, places=(own, second)))
     with pytest.raises(ContradictionError, match=r"as \(0.125, 0\), is certified to come to it; but what starts"):
+        decided.decided_places(system)
+    zero, end = system.field.zero, system.field.rational(Fraction(1, 8))
+    segment = RestSegment((zero, zero), (end, zero), RestKind.CELL, (end, zero))
+    monkeypatch.setattr(decided, "rest_places", lambda _: replace(found, stretches=(segment,)))
+    with pytest.raises(ContradictionError):
         decided.decided_places(system)
 
 
