@@ -76,7 +76,7 @@ def size_of(x: NDArray[np.float64]) -> NDArray[np.float64]:
     return sizes
 
 
-@few(1)
+@thorough  # in the plane: test_no_path_takes_longer_than_the_time_of_arrival; in space the one with a wrong sign
 @pytest.mark.parametrize("gains", [("2", "53/25", "11/10"), ("3", "3", "11/10"), ("5", "4", "11/10")])
 def test_differentiators_of_second_order_arrive_from_everywhere(gains: tuple[str, str, str]) -> None:
     result = decide_system(homogeneous(differentiator(*gains)))
