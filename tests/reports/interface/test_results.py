@@ -79,7 +79,7 @@ SAME: dict[str, Callable[[], Any]] = {
     f"{HEAVY} --compare-masses": lambda: array().compare_masses((0.2, 0.3, 0), until=0.001, mass=1),
     "audit four-wheel --lyapunov x**2+y**2": lambda: array().audit("x**2+y**2"),
     "partition eq-4": lambda: system("eq-4").portrait(),
-    "stress saddle": lambda: ns.load("saddle").stress(),
+    "stress relay-oscillator-damped": lambda: ns.load("relay-oscillator-damped").stress(),
     "vehicle jackal --spin 3": lambda: ns.Vehicle.load("jackal").motion(spin=3),
 }
 
