@@ -17,6 +17,7 @@ from typing import TypeAlias
 from flint import fmpq, fmpq_mat
 
 from nonsmooth.analysis.fields.stated_field import StatedField
+from nonsmooth.proofs.kernel.written import null_basis
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -170,7 +171,7 @@ def _segments(
     if line is None:
         return []
     if line.first == line.last:
-        return None
+        return None  # one place
     if any(_is_zero_along(line, row) for row in around):
         kind = RestKind.BOUNDARY if kind is RestKind.CELL else RestKind.CORNER
     elif any(_is_zero_along(line, row) for row in shares):
@@ -224,13 +225,8 @@ def _solutions(rows: Sequence[Affine]) -> tuple[list[fmpq], list[list[fmpq]]] | 
     point = [fmpq(0)] * count
     for i, k in enumerate(pivots):
         point[k] = reduced[i, count]
-    directions = []
-    for free in (k for k in range(count) if k not in pivots):
-        own = [fmpq(k == free) for k in range(count)]
-        for i, k in enumerate(pivots):
-            own[k] = -reduced[i, free]
-        directions.append(own)
-    return point, directions
+    kernel = null_basis(fmpq_mat([row[:-1] for row in rows]))
+    return point, [[kernel[k, j] for k in range(count)] for j in range(kernel.ncols())]
 
 
 def _within(point: list[fmpq], direction: list[fmpq], sides: Sequence[Affine]) -> SolutionLine | None:
