@@ -1,10 +1,10 @@
 """How a body with inertia comes to rest: simulated from stated starts until it settles, swings on, or is thrown off.
 
 A path under full dynamics is followed in chunks, each as long as the slowest motion near the place of rest takes to
-fade.  It *settles* where a chunk stays within a small part of the accuracy; it is on a *limit cycle* where a chunk
-swings as far as the one before, and it is *thrown off* where it comes to the border of its support.  From the path
-follow the time after which it stays within the accuracy of where it ends, and its swings: how often it comes back to
-more than the accuracy after it was nearer.
+fade, or a part of that.  It *settles* where a chunk stays within a small part of the accuracy, smaller where less of
+that motion fades in a chunk; it is on a *limit cycle* where a chunk swings as far as the one before, and it is *thrown
+off* where it comes to the border of its support.  From the path follow the time after which it stays within the
+accuracy of where it ends, and its swings: how often it comes back to more than the accuracy after it was nearer.
 
 The massless path serves the same body at slow speeds.  With all wheels s times as fast the same path is followed s
 times faster by a body of mass ``s^2 m`` (:mod:`nonsmooth.analysis.bodies.newton_euler`), so factors of the speeds are
@@ -77,7 +77,9 @@ class Settled:
     work: int
 
 
-def settle(scene: Scene, body: RigidBody, start: Pose, accuracy: float, chunk: float, is_long: bool) -> Settled:
+def settle(
+    scene: Scene, body: RigidBody, start: Pose, accuracy: float, chunk: float, is_long: bool, faded: float = 1.0
+) -> Settled:
     """Follow one body from rest until it settles.
 
     Args:
@@ -88,6 +90,8 @@ def settle(scene: Scene, body: RigidBody, start: Pose, accuracy: float, chunk: f
         chunk: of the time.
         is_long: whether what is slow near the place of rest fades or grows in a chunk; else swings of one size may be
             swings that fade too slowly to be told, and are not called a limit cycle.
+        faded: how much of the slowest motion fades in a chunk, at most 1: so small a part of the way that is left is
+            the way of a chunk.
 
     Raises:
         ValueError: for a start at which the body does not stand.
@@ -110,7 +114,7 @@ def settle(scene: Scene, body: RigidBody, start: Pose, accuracy: float, chunk: f
             break
         if reason is not EndReason.TIME:
             kind = Settling.THROWN_OFF
-        elif swing.later <= STILL * accuracy:
+        elif swing.later <= STILL * faded * accuracy:
             kind = Settling.AT_REST
         elif is_long and _is_steady(swing.later, swing.earlier) and _is_steady(swing.later, before):
             kind = Settling.LIMIT_CYCLE

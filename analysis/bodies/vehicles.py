@@ -16,12 +16,13 @@ import numpy as np
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, Rule, SmoothRule, all_rules, contact_rule
-from nonsmooth.analysis.cells.loads import elastic_loads_at
+from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import free_motions
+from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.mechanics.contact_states import (
     Twist,
     cofactors,
@@ -35,7 +36,8 @@ from nonsmooth.symbolic.mechanics.contact_states import (
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.vehicles import Vehicle
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane import XY, Vector, in_floats
+from nonsmooth.symbolic.numbers.number_text import place_text
+from nonsmooth.symbolic.numbers.plane import XY, Vector, in_floats, side_of
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 MOST_EXACT = 12  # wheels up to which the cells of the rules with cells are built
@@ -144,10 +146,24 @@ def vehicle_motion(vehicle: Vehicle, rule: Rule | None = None) -> VehicleMotion:
     """
     scene = vehicle.scene
     chosen = contact_rule(scene.contact.rule) if rule is None else rule
+    if chosen.needs_loads and scene.contact.loads is None:
+        _require_standing(vehicle)
     judged = replace(vehicle, scene=scene.under(chosen.name))
     if isinstance(chosen, SmoothRule):
         return _least_dissipation(judged, chosen)
     return _by_cells(judged, chosen)
+
+
+def _require_standing(vehicle: Vehicle) -> None:
+    """Refuse a vehicle that tips over, or is about to, by the key of its own file.
+
+    Raises:
+        LoadError: where the centre of mass is not inside the support polygon.
+    """
+    hull = support_polygon(vehicle.scene.positions)
+    if len(hull) > 2 and side_of(hull, vehicle.centre_of_mass) <= 0:
+        required = "vehicle.centre_of_mass: required a point inside the support polygon of the wheels"
+        raise LoadError(f"{required}, received {place_text(vehicle.centre_of_mass)}: the vehicle tips over")
 
 
 def _by_cells(vehicle: Vehicle, rule: CellRule) -> VehicleMotion:

@@ -263,15 +263,20 @@ def settled_from(scene: Scene, start: Pose) -> Settled | None:
     return settle(scene, body, start, float(scene.accuracy), *_chunk(near_rest(scene), crossing))
 
 
-def _chunk(near: NearRest, crossing: float) -> tuple[float, bool]:
-    """How long a chunk is, and whether swings fade or grow in it."""
+def _chunk(near: NearRest, crossing: float) -> tuple[float, bool, float]:
+    """How long a chunk is, whether swings fade or grow in it, and how much of what is slowest fades in it, at most 1.
+
+    Only of a stable place of rest it is known that what is slow there fades.
+    """
     shortest, longest = (times * crossing for times in CROSSINGS)
     slow = min((abs(value.real) for value in near.eigenvalues), default=0.0)
     swings = [value for value in near.eigenvalues if value.imag > 0]
-    most = PERIODS * 2 * math.pi / min(value.imag for value in swings) if swings else longest
+    fades = near.verdict is Inertia.STABLE and slow > 0
+    alone = math.inf if fades else longest
+    most = PERIODS * 2 * math.pi / min(value.imag for value in swings) if swings else alone
     chunk = max(shortest, min(FADES / slow if slow else math.inf, most))
     slowest = min((abs(value.real) for value in swings), default=0.0)
-    return chunk, slowest * chunk >= FADES
+    return chunk, slowest * chunk >= FADES, min(1.0, slow * chunk / FADES) if fades else 1.0
 
 
 def _massless(scene: Scene, bodies: Sequence[Settled]) -> float | None:

@@ -123,8 +123,10 @@ def build_vehicle(data: dict[str, Any], file: str, path: Path) -> Vehicle:
     )
     builder = WheelBuilder(common, numbers)
     wheels = builder.build(_places(document, numbers, rows))
+    sides = [wheel.position[1].sign() for wheel in wheels]
     left, right = (
-        _side_speed(wheel for wheel in wheels if (wheel.position[1].sign() > 0) is is_left) for is_left in (True, False)
+        None if 0 in sides else _side_speed(wheel for wheel, own in zip(wheels, sides, strict=True) if own == side)
+        for side in (1, -1)
     )
     scene = _scene(document, builder.rule, numbers, wheels, path)
     return Vehicle(scene, track, base, left, right, radius, measured, table.source or "")
@@ -145,12 +147,22 @@ def _rows(track: Number, base: Number, count: int) -> Iterator[Vector]:
 
 
 def _places(document: VehicleDocument, numbers: Numbers, rows: Iterable[Vector]) -> Iterator[WheelPlace]:
-    """The rows of both sides, then the vehicle's own wheels: forward at the speed of their side unless they say so."""
+    """The rows of both sides, then the vehicle's own wheels: forward at the speed of their side unless they say so.
+
+    Raises:
+        SceneError: for a wheel between the sides, at y = 0, without a speed of its own.
+    """
     named = (wheel.place(numbers, f"wheel[{k}]") for k, wheel in enumerate(document.wheel, 1))
+    speeds = {1: document.vehicle.left, -1: document.vehicle.right}
     for place in (*(WheelPlace("vehicle", position, Own()) for position in rows), *named):
-        side = document.vehicle.left if place.position[1].sign() > 0 else document.vehicle.right
         own = place.own._replace(heading=place.own.heading or FORWARD)
-        yield place._replace(own=own if own.speed is not None else own._replace(speed=side))
+        if own.speed is None:
+            side = place.position[1].sign()
+            if not side:
+                required = "the speed of a wheel at y = 0, which is of neither side"
+                raise SceneError(numbers.file, f"{place.key}.speed", required, StatedFact("nothing"))
+            own = own._replace(speed=speeds[side])
+        yield place._replace(own=own)
 
 
 def _side_speed(wheels: Iterable[Wheel]) -> Number | None:

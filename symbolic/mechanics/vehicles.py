@@ -35,7 +35,8 @@ class Vehicle:
         scene: its wheels as an array in the vehicle's frame; ``scene.check.equilibrium`` is the centre of mass.
         track: W, distance of the wheels of the left and the right side (length); None where it is not stated.
         wheel_base: L, distance of the first and the last wheel of a side; None where no side is stated.
-        left: commanded speed of the wheels of the left side; None where wheels state their own.
+        left: commanded speed of the wheels of the left side, y > 0; None where they state several, and where a wheel
+            stands between the sides.
         right: commanded speed of the wheels of the right side.
         wheel_radius: of all wheels; None where it is not stated.
         measured: the multiplier of an in-place turn that somebody measured, or ships with the vehicle.

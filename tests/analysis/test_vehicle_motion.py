@@ -12,6 +12,7 @@ from scipy.optimize import minimize
 
 from nonsmooth.analysis.bodies.vehicles import VehicleMotion, friction_ratio, turns, vehicle_motion
 from nonsmooth.analysis.cells.contact_rule import all_rules, contact_rule
+from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.symbolic.files.documents import builtin_vehicles
 from nonsmooth.symbolic.files.vehicle_file import build_vehicle, load_vehicle
 from nonsmooth.symbolic.mechanics.vehicles import Vehicle
@@ -211,3 +212,12 @@ def test_an_uneven_load_on_the_sides_stops_the_turn() -> None:
     assert motion.twists[0] == pytest.approx((-1, 0, 0), abs=1e-9)
     assert motion.multiplier is None
     assert motion.icr is None
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])
+@pytest.mark.parametrize("x", [2, "1/4"])
+def test_a_vehicle_that_tips_is_refused_by_the_key_of_its_own_file(rule: str, x: Any) -> None:
+    """Beyond its wheels and over their edge; the keys of an array, such as check.equilibrium, are not in the file."""
+    standing = vehicle(centre_of_mass=[x, 0])
+    with pytest.raises(LoadError, match=r"^vehicle.centre_of_mass: required a point inside.*the vehicle tips over$"):
+        vehicle_motion(standing, contact_rule(rule))

@@ -51,6 +51,16 @@ def test_wheels_of_their_own_leave_no_side_speeds(tmp_path: Path) -> None:
     assert built.turn is None
 
 
+def test_a_wheel_between_the_sides_is_of_neither(tmp_path: Path) -> None:
+    """It was driven as a right one, without a word."""
+    castor = f"{SIDES}left = 1\nright = 2\n{FRICTION}[[wheel]]\nposition = [0.5, 0]\n"
+    with pytest.raises(SceneError, match=r"wheel\[1\].speed: required the speed of a wheel at y = 0"):
+        vehicle(tmp_path, castor)
+    built = vehicle(tmp_path, f"{castor}speed = 2\n")
+    assert [str(wheel.speed) for wheel in built.scene.wheels] == ["1", "2"] * 2 + ["2"]
+    assert built.turn is None
+
+
 def test_units_of_speed_are_converted(tmp_path: Path) -> None:
     text = f'[units]\nlength = "m"\nspeed = "cm/s"\n{SIDES}left = 10\nright = 20\n{FRICTION}'
     assert str(vehicle(tmp_path, text).right) == "1/5"

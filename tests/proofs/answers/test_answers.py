@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from sympy import Matrix
 
 import nonsmooth as ns
@@ -46,6 +47,7 @@ from nonsmooth.symbolic.mechanics.contact_set import standing, with_only
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.messages.under_way import listening
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.built_in import whole_check
 from tests.springs import least_energy
 from tests.thorough import few, keep
@@ -511,6 +513,41 @@ def test_a_body_that_is_followed_alone_is_that_of_the_checked_wheels(table: Scen
     start, scene = (155.0, 96.0, 0.1), standing(table)
     assert scene.accuracy < table.accuracy
     assert settled_from(table, start) == settled_from(scene, start)
+
+
+CREEPING = [((-18, 223), (80, -997), 30), ((-191, -94), (897, 442), 30), ((181, -145), (-780, 625), 32)]
+
+
+def newton(t: float, state: Floats) -> Floats:
+    """Newton's law on these three wheels, in mm: c, theta, and their rates, with loads by the balance of moments."""
+    places, headings, speeds = (np.array(column, float) for column in zip(*CREEPING, strict=True))
+    along = headings / np.linalg.norm(headings, axis=1)[:, None]
+    across, arms = along @ [[0, 1], [-1, 0]], places - state[:2]
+    contact = state[3:5] + state[5] * arms @ [[0, 1], [-1, 0]]
+    slips = np.array([(contact * along).sum(axis=1) - speeds, (contact * across).sum(axis=1)])
+    weighted = np.array([[0.25], [0.95]]) * slips
+    shares = -np.array([[0.25], [0.95]]) * weighted / np.sqrt((weighted**2).sum(axis=0) + 1e-8)
+    loads = np.linalg.solve(np.vstack([np.ones(3), places.T]), [1, *state[:2]])
+    forces = loads[:, None] * (shares[0][:, None] * along + shares[1][:, None] * across)
+    moment = arms[:, 0] @ forces[:, 1] - arms[:, 1] @ forces[:, 0]
+    inertia = ((places - places.mean(axis=0)) ** 2).sum(axis=1).mean() / 2
+    return np.array([*state[3:], *9806.65 * forces.sum(axis=0), 9806.65 * moment / inertia])
+
+
+def test_a_body_that_creeps_to_its_place_of_rest_has_not_settled_on_the_way(tmp_path: Path) -> None:
+    """Its distance fades in a minute; it was said to rest 4.5 mm away from its place, settled after 0.83 s."""
+    wheels = "".join(f"[[wheel]]\nposition = {[*p]}\nheading = {[*h]}\nspeed = {u}\n" for p, h, u in CREEPING)
+    friction = '[friction]\nmu_roll = 0.25\nmu_side = 0.95\n[contact]\nrule = "ellipse"\n'
+    (tmp_path / "creeping.toml").write_text(f'[units]\nlength = "mm"\n{friction}{wheels}', encoding="utf-8")
+    scene, start = load_scene(tmp_path / "creeping.toml"), (14.3, 6.0, 0.0)
+    place = near_rest(scene).place
+    assert place is not None
+    found = settled_from(scene, start)
+    assert found is not None
+    assert math.dist(found.end[:2], place) < 0.05 * float(scene.accuracy)
+    path = solve_ivp(newton, (0, 60), [*start, 0, 0, 0], method="LSODA", rtol=1e-8, atol=1e-7, max_step=0.2)
+    outside = np.linalg.norm(path.y[:2].T - place, axis=1) > float(scene.accuracy)
+    assert found.settles_after == pytest.approx(path.t[outside].max(), rel=0.02)
 
 
 def test_a_body_that_takes_very_many_steps_is_left_on_its_way(table: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
