@@ -115,7 +115,7 @@ def _decided(system: SwitchedSystem, place: EnclosedEquilibrium) -> DecidedPlace
 def _refuse_contradiction(system: SwitchedSystem, found: EnclosedEquilibria, decided: Sequence[DecidedPlace]) -> None:
     """Refuse a place that rests, and the end of a segment, if every start there is certified to come to another one."""
     centre = [c.ball() for c in system.check.equilibrium]
-    ends = [end for own in found.stretches for end in (own.start, own.end)]
+    ends = [end for own in found.stretches for end in own.corners]
     resting = [tuple(x.ball() + c for x, c in zip(end, centre, strict=True)) for end in ends]
     for own in decided:
         others = (other.place.place for other in decided if other is not own)

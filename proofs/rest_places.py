@@ -8,7 +8,7 @@ n + 1 equations for x and l: a *pseudo-equilibrium*, or *boundary equilibrium* w
 Gragnani 2003).  In the plane two surfaces meet in points, and 0 is in the hull of four fields,
 or not.  Boxes that hold no zero by their balls, or by Krawczyk's operator, are dropped, those in which it shows exactly
 one are kept, and others are halved: so nothing is missed, and what is left at the end is said to be left.
-Segments on which every place rests are told first (:mod:`nonsmooth.proofs.rest_segments`).
+Polytopes in which every place rests are told first (:mod:`nonsmooth.proofs.rest_polytopes`).
 
 Stability follows from the linearization where that decides, in balls: of f, or of the sliding motion with ``A = l f' +
 (1 - l) g'``, ``b = f - g`` and ``c = grad s``,
@@ -48,7 +48,14 @@ from nonsmooth.proofs.rest_equations import (
     on_border,
     sliding_equations,
 )
-from nonsmooth.proofs.rest_segments import RestKind, RestSegment, joined, of_border, resting_in_cell, resting_on_plane
+from nonsmooth.proofs.rest_polytopes import (
+    RestKind,
+    RestPolytope,
+    joined,
+    never_meet,
+    of_border,
+    resting_polytopes,
+)
 from nonsmooth.proofs.system_decision import checked_point
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, border_parts, wave_border_parts
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
@@ -97,13 +104,13 @@ class EnclosedEquilibria:
 
     Attributes:
         places: those that are alone, from the nearest to the checked point on.
-        stretches: segments on which every place rests.
+        stretches: segments and polytopes in which every place rests.
         left: boxes, in coordinates of the states, in which it is not known what rests, or how many places; those of
             a small cluster are one.
     """
 
     places: tuple[EnclosedEquilibrium, ...]
-    stretches: tuple[RestSegment, ...]
+    stretches: tuple[RestPolytope, ...]
     left: tuple[tuple[arb, ...], ...]
 
 
@@ -117,18 +124,17 @@ def rest_places(system: SwitchedSystem) -> EnclosedEquilibria:
     require_one_field(system)
     _require_few(system)
     search = _Search(system)
-    for held in range(3 if system.is_planar else 2):
+    for held in range(3 if system.is_planar else len(search.surfaces) + 1):
         for chosen in combinations(range(len(search.surfaces)), held):
             search.look_on(chosen)
-    if len(system.states) > 2:
+    if search.open:
         search.look_where_surfaces_meet()
     search.look_in_clusters()
-    alone = (own for own in search.found if not search.is_at_end(own.place, 0.0))
+    alone = (own for own in search.found if not search.is_on_polytope(own))
     found = sorted(alone, key=lambda own: sum(float(c) ** 2 for c in search.displaced(own.place)))
-    left = [box for box in search.left if not search.is_at_end(box, ENDS)]
-    return EnclosedEquilibria(
-        tuple(found), tuple(joined(search.segments)), tuple(_joined_boxes(left, float(system.check.radius)))
-    )
+    radius = float(system.check.radius)
+    left = [box for box in search.left if not (_is_small(radius, box) and search.is_at_end(box, ENDS))]
+    return EnclosedEquilibria(tuple(found), tuple(joined(search.polytopes)), tuple(_joined_boxes(left, radius)))
 
 
 def _require_few(system: SwitchedSystem) -> None:
@@ -162,7 +168,8 @@ class _Search:
         ]
         self._fields: dict[tuple[int, ...], FieldInBalls] = {}
         self.found: list[EnclosedEquilibrium] = []
-        self.segments = list(map(of_border, filter(self._is_stretch, self._borders)))
+        self.polytopes = list(map(of_border, filter(self._is_stretch, self._borders)))
+        self.open: list[tuple[tuple[int, ...], dict[int, int]]] = []  # where surfaces meet, with the signs of others
         self.left: list[tuple[arb, ...]] = []
 
     def displaced(self, place: Sequence[arb]) -> list[arb]:
@@ -174,11 +181,18 @@ class _Search:
         return tuple(own + c.ball() for own, c in zip(x, self.centre, strict=True))
 
     def is_at_end(self, place: Sequence[arb], room: float) -> bool:
-        """Whether a box may hold the end of a segment, or be as near to it as a share of the cube."""
+        """Whether a box may hold the corner of a polytope, or be as near to it as a share of the cube."""
         near = self.radius.ball() * room * UNIT
-        ends = [end for part in self.segments for end in (part.start, part.end)]
+        ends = [end for part in self.polytopes for end in part.corners]
         boxes = [self.stated([own.ball() + near for own in end]) for end in ends]
         return any(overlap(box, place) for box in boxes)
+
+    def is_on_polytope(self, own: EnclosedEquilibrium) -> bool:
+        """Whether a place of rest is one of a polytope; where it is not exact, whether it may be a corner."""
+        if own.exact is None:
+            return self.is_at_end(own.place, 0.0)
+        moved = [a - c for a, c in zip(own.exact, self.centre, strict=True)]
+        return any(part.holds(moved) for part in self.polytopes) or self.is_at_end(own.place, 0.0)
 
     def field(self, signs: tuple[int, ...]) -> FieldInBalls:
         """The field where the surfaces have these signs."""
@@ -202,7 +216,10 @@ class _Search:
             tell_count(number, len(patterns), "cells")
             signs = dict(zip(others, sides, strict=True))
             around = [self._field_of(signs | dict(zip(chosen, own, strict=True))) for own in self._sides(chosen)]
-            if (chosen and self._is_no_border(chosen, around)) or self._rests_on_segments(chosen, signs, around):
+            if (chosen and self._is_no_border(chosen, around)) or self._is_told(chosen, signs, around):
+                continue
+            if len(chosen) > 1 and not self.system.is_planar:
+                self.open.append((chosen, signs))
                 continue
             guards = [lambda z, k=k, side=side: self.value(k, z[: self.count]) * side for k, side in signs.items()]
             box = [self.radius.ball() * UNIT for _ in range(self.count)]
@@ -223,13 +240,13 @@ class _Search:
         """Leave boxes on several surfaces, in three states and more, where 0 may be in the hull of all fields around.
 
         It is not where all of them lead along one direction.  Such places are seldom alone: on a curve in space four
-        fields have one weight more than there are equations.
+        fields have one weight more than there are equations.  Boxes in which all is told by polytopes are dropped.
         """
         waiting, looked = deque([[self.radius.ball() * UNIT for _ in range(self.count)]]), 0
         while waiting:
             box, looked = waiting.popleft(), looked + 1
             signs = [_sign(self.value(k, box)) for k in range(len(self.surfaces))]
-            if signs.count(0) < 2:
+            if not any(self._may_be_on(signs, *own) for own in self.open):
                 continue
             patterns = product(*((own,) if own else (1, -1) for own in signs))
             if _lead_one_way([self.field(pattern).at(box)[0] for pattern in patterns]):
@@ -238,6 +255,11 @@ class _Search:
                 self.left.append(self.stated(box))
             else:
                 waiting += halves(box, [1.0] * self.count)
+
+    @staticmethod
+    def _may_be_on(signs: Sequence[int], chosen: Sequence[int], others: Mapping[int, int]) -> bool:
+        """Whether a box may hold places on some surfaces and on a side of all others, by signs there, 0 if open."""
+        return not any(signs[k] for k in chosen) and all(signs[k] in (0, side) for k, side in others.items())
 
     def look_in_clusters(self) -> None:
         """Note simple places that rest in small clusters of boxes that are left, as where zeros are not simple."""
@@ -271,20 +293,25 @@ class _Search:
             own == first or (len(chosen) == 1 and _meet_on(first, own, self.surfaces[chosen[0]])) for own in others
         )
 
-    def _rests_on_segments(
-        self, chosen: tuple[int, ...], signs: Mapping[int, int], around: Sequence[FieldInBalls]
-    ) -> bool:
-        """Whether all that rests there is known, and on segments, which are noted."""
-        if len(chosen) > 1:
-            return False
-        fields, guards = [own.stated for own in around], [self.surfaces[k] * side for k, side in signs.items()]
-        if not chosen:
-            found = resting_in_cell(fields[0], guards, self.radius)
-        elif self._rests_along(chosen[0], around):
+    def _is_told(self, chosen: tuple[int, ...], signs: Mapping[int, int], around: Sequence[FieldInBalls]) -> bool:
+        """Whether all that rests there is known by linear algebra; it is noted."""
+        planes = [self.surfaces[k] for k in chosen]
+        if len(chosen) > 1 and self.system.is_planar:
+            return never_meet(planes)  # where two lines meet there may be others: corners are looked at one by one
+        if len(chosen) == 1 and self._rests_along(chosen[0], around):
             return True
-        else:
-            found = resting_on_plane(fields[0], fields[1], self.surfaces[chosen[0]], guards, self.radius)
-        self.segments += found or ()
+        fields, guards = [own.stated for own in around], [self.surfaces[k] * side for k, side in signs.items()]
+        found = resting_polytopes(fields, planes, guards, self.radius)
+        for own in found or ():
+            if own.dimension:
+                self.polytopes.append(own)
+                continue
+            (place,), x = own.corners, [number.ball() for number in own.corners[0]]
+            if len(chosen) > 1:
+                on = [k for k, surface in enumerate(self.surfaces) if not surface(place)]
+                self._add(self._place(x, place, RestKind.CORNER, on))
+            else:
+                self._note(chosen, dict(signs), around, [*x, *_share(around, place)])
         return found is not None
 
     def _rests_along(self, k: int, around: Sequence[FieldInBalls]) -> bool:
@@ -469,7 +496,7 @@ def _clusters(boxes: Sequence[Sequence[arb]]) -> list[Box]:
     return hulls
 
 
-def _is_small(radius: float, hull: Box) -> bool:
+def _is_small(radius: float, hull: Sequence[arb]) -> bool:
     return all(float(x.rad()) < radius * CLUSTER for x in hull)
 
 
@@ -478,6 +505,13 @@ def _joined_boxes(boxes: Sequence[tuple[arb, ...]], radius: float) -> list[tuple
     hulls = [hull for hull in _clusters(boxes) if _is_small(radius, hull)]
     apart = [box for box in boxes if not any(overlap(box, hull) for hull in hulls)]
     return [*map(tuple, hulls), *apart]
+
+
+def _share(around: Sequence[FieldInBalls], place: Sequence[Number]) -> list[arb]:
+    """The l with ``l f + (1 - l) g = 0`` at a place, between two fields; none of one field."""
+    first, *others = (own.exactly_at(place) or [] for own in around)
+    gaps = [(g, g - f) for other in others for f, g in zip(first, other, strict=True) if f != g]
+    return [(gaps[0][0] / gaps[0][1]).ball() if gaps else arb(1) / 2] if others else []
 
 
 # ---- vectors and matrices ------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.proofs.decided_places import decided_places
 from nonsmooth.proofs.findings import Record, Translation
 from nonsmooth.proofs.rest_places import EnclosedEquilibria, EnclosedEquilibrium
-from nonsmooth.proofs.rest_segments import RestKind
+from nonsmooth.proofs.rest_polytopes import RestKind, RestPolytope
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import floats, with_exact
 from nonsmooth.reports.output.refusals import RefusedError, refusals_named
@@ -66,11 +66,24 @@ class EquilibriaResult(Result):
         head = {"schema": SCHEMA, "scene": self.system.name, "states": list(self.system.states)}
         about = with_exact({"at": self.system.check.equilibrium, "radius": self.system.check.radius})
         stretches = [
-            {"from": self._stated(part.start), "to": self._stated(part.end), "kind": part.kind.name.lower()}
-            for part in self.found.stretches
+            {**dict(zip(("from", "to"), self._corners(part), strict=True)), "kind": part.kind.name.lower()}
+            for part in self._segments
         ]
+        polytopes = [{"corners": self._corners(part), "kind": part.kind.name.lower()} for part in self._polytopes]
         left = [[floats((x.lower(), x.upper())) for x in box] for box in self.found.left]
-        return {**head, **about, "places": self.rows(), "stretches": stretches, "left": left}
+        more = {"polytopes": polytopes} if polytopes else {}
+        return {**head, **about, "places": self.rows(), "stretches": stretches, **more, "left": left}
+
+    @property
+    def _segments(self) -> list[RestPolytope]:
+        return [part for part in self.found.stretches if part.dimension == 1]
+
+    @property
+    def _polytopes(self) -> list[RestPolytope]:
+        return [part for part in self.found.stretches if part.dimension > 1]
+
+    def _corners(self, part: RestPolytope) -> list[list[float]]:
+        return list(map(self._stated, part.corners))
 
     def _stated(self, displacement: Sequence[Any]) -> list[float]:
         """A displacement as a place."""
@@ -102,11 +115,15 @@ class EquilibriaResult(Result):
             for own, (stability, by) in zip(self.found.places, self.verdicts, strict=True)
         ]
         blocks: list[Block] = [table(("place of rest", "what", "stability", "by"), rows)] if rows else []
-        parts = [
-            (place_text(self._stated(part.start), 6), place_text(self._stated(part.end), 6), STRETCHES[part.kind])
-            for part in self.found.stretches
+        lines = [
+            (*(place_text(own, 6) for own in self._corners(part)), STRETCHES[part.kind]) for part in self._segments
         ]
-        return [*blocks, table(("from", "to", "segment"), parts)] if parts else blocks
+        blocks += [table(("from", "to", "segment"), lines)] if lines else []
+        areas = [
+            (", ".join(place_text(own, 6) for own in self._corners(part)), STRETCHES[part.kind])
+            for part in self._polytopes
+        ]
+        return [*blocks, table(("corners", "polytope"), areas)] if areas else blocks
 
     def _open(self) -> list[str]:
         """How much is known to be all."""
@@ -136,9 +153,11 @@ class EquilibriaResult(Result):
 
     def summary(self) -> str:
         """How many places."""
-        count, stretches, left = map(len, (self.found.places, self.found.stretches, self.found.left))
+        count, stretches, left = map(len, (self.found.places, self._segments, self.found.left))
         said = [f"{count} place{'s' * (count != 1)} of rest"]
         said += [f"{stretches} stretch{'es' * (stretches != 1)}"] * bool(stretches)
+        areas = len(self._polytopes)
+        said += [f"{areas} polytope{'s' * (areas != 1)}"] * bool(areas)
         return ", ".join([*said, *[f"{left} boxes left open"] * bool(left)])
 
     @property
@@ -154,14 +173,21 @@ class EquilibriaResult(Result):
         """
         if not self.system.is_planar:
             raise TypeError("required two states, to draw places of rest")
+        import numpy as np
+        from scipy.spatial import ConvexHull
+
         from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 
         PhasePortrait(self.system).draw_field(ax)
         centre = self.system.check.place
         for axis, middle in zip((ax.xaxis, ax.yaxis), centre, strict=True):  # the field is drawn from the checked point
             axis.set_major_formatter(partial(_moved, middle))
-        for number, part in enumerate(self.found.stretches):
-            ends = [[float(end[k]) for end in (part.start, part.end)] for k in (0, 1)]
+        for number, part in enumerate(self._polytopes):
+            corners = np.array([[float(own) for own in corner] for corner in part.corners])
+            label = "_" if number else "area of rest"
+            ax.fill(*corners[ConvexHull(corners).vertices].T, color="black", alpha=0.4, zorder=4, label=label)
+        for number, part in enumerate(self._segments):
+            ends = [[float(end[k]) for end in part.corners] for k in (0, 1)]
             label = "_" if number else "stretch of rest"
             ax.plot(*ends, color="black", linewidth=5, solid_capstyle="round", zorder=5, label=label)
         shown = set[Translation]()

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 import pytest
 from flint import arb
 from scipy.integrate import solve_ivp
-from scipy.optimize import linprog
+from scipy.optimize import linprog, nnls
 
 import nonsmooth as ns
 from nonsmooth.proofs import decided_places as decided
 from nonsmooth.proofs.findings import ContradictionError, Translation
 from nonsmooth.proofs.rest_places import rest_places
-from nonsmooth.proofs.rest_segments import RestKind, RestSegment
+from nonsmooth.proofs.rest_polytopes import RestKind, RestPolytope
 from tests.plain import stated
 from tests.thorough import keep
 
@@ -222,63 +222,147 @@ def test_lines_of_equilibria_are_segments(states: str, rhs: str, kind: str, ends
     assert (result.exit_status, result.found.places) == (0, ())
 
 
-@pytest.mark.parametrize("seed", keep(10, range(150)))
-def test_all_that_rests_of_singular_pieces_is_found(seed: int) -> None:
-    """``x' = A x + b + c sgn(s)`` with a singular A in two or three states: places of most and least of any sum.
+def sum_of(factors: Iterable[object], names: Iterable[str]) -> str:
+    return " + ".join(f"({k})*{name}" for k, name in zip(factors, names, strict=True))
 
-    What rests in a cell, and on ``s = 0``, where sgn is any number of [-1, 1], are polyhedra.
+
+def hull_distance(x: np.ndarray, corners: np.ndarray) -> float:
+    matrix = np.vstack([corners.T, np.full(len(corners), 1e3)])
+    return float(nnls(matrix, [*x, 1e3])[1])
+
+
+@pytest.mark.parametrize("seed", keep(10, range(200)))
+def test_all_that_rests_of_singular_pieces_is_found(seed: int) -> None:
+    """``x' = A x + b + C sgn(S x + s)`` with a singular A: places of most and least of any sum, in two to four states.
+
+    What rests where some signs are 1 or -1, and others any number of [-1, 1], are polyhedra.
     """
     drawn = np.random.default_rng(seed)
-    n = 2 + seed % 2
-    a = drawn.integers(-2, 3, (n, n - 1)) @ drawn.integers(-2, 3, (n - 1, n)) / 2
-    b, c = drawn.integers(-1, 2, n) / 2 * (seed % 3 == 0), drawn.integers(-2, 3, n) / 2 * (seed % 5 > 0)
-    normal, offset = drawn.integers(-2, 3, n), drawn.integers(-1, 2) / 4
-    normal[0] = normal[0] or 1
-    states = "xyz"[:n]
-    surface = " + ".join(f"({k})*{name}" for k, name in zip([*normal, offset], [*states, "1"], strict=True))
-    rhs = [
-        " + ".join(f"({k})*{name}" for k, name in zip([*row, p, q], [*states, "1", f"sign({surface})"], strict=True))
-        for row, p, q in zip(a, b, c, strict=True)
-    ]
+    n, rows = 2 + seed % 3, 1 + seed % 2
+    rank = max(1, n - 1 - seed % 4 // 3)
+    a = drawn.integers(-2, 3, (n, rank)) @ drawn.integers(-2, 3, (rank, n)) / 2
+    b, c = drawn.integers(-1, 2, n) / 2 * (seed % 3 == 0), drawn.integers(-2, 3, (n, rows)) / 2 * (seed % 5 > 0)
+    normals, offsets = drawn.integers(-2, 3, (rows, n)), drawn.integers(-1, 2, rows) / 4
+    for k in range(rows):
+        normals[k, k] = normals[k, k] or 1
+    states = "xyzu"[:n]
+    surfaces = [sum_of([*row, s], [*states, "1"]) for row, s in zip(normals, offsets, strict=True)]
+    names = [*states, "1", *(f"sign({surface})" for surface in surfaces)]
+    rhs = [sum_of([*row, p, *q], names) for row, p, q in zip(a, b, c, strict=True)]
     found = rest_places(ns.System(list(states), rhs, radius=2).system)
-    ends = [[np.array(list(map(float, end))) for end in (own.start, own.end)] for own in found.stretches]
-    known = ends + [[np.array(list(map(float, own.place)))] * 2 for own in found.places]
+    assert not found.left
+    known = [np.array([list(map(float, corner)) for corner in own.corners]) for own in found.stretches]
+    known += [np.array([list(map(float, own.place))]) for own in found.places]
 
-    def distance(x: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
-        along = end - start
-        share = np.clip((x - start) @ along / (along @ along or 1), 0, 1)
-        return float(np.linalg.norm(start + share * along - x))
-
-    cells = [((side, side), side) for side in (1, -1)]
-    for limits, side in [*cells, ((-1, 1), 0)]:
-        equal, zero = np.column_stack([a, c]), -b
-        if not side:
-            equal, zero = np.vstack([equal, [*normal, 0]]), np.append(zero, -offset)
+    for sides in product((1, -1, 0), repeat=rows):
+        limits = [(side, side) if side else (-1, 1) for side in sides]
+        on, beside = [k for k in range(rows) if not sides[k]], [k for k in range(rows) if sides[k]]
         for _ in range(4):
             rest = linprog(
-                [*drawn.standard_normal(n), 0],
-                A_eq=equal,
-                b_eq=zero,
-                A_ub=[[*(-side * normal), 0]],
-                b_ub=[side * offset],
-                bounds=[(-2, 2)] * n + [limits],
+                [*drawn.standard_normal(n), *[0] * rows],
+                A_eq=np.vstack([np.hstack([a, c]), *([*normals[k], *[0] * rows] for k in on)]),
+                b_eq=[*-b, *(-offsets[k] for k in on)],
+                A_ub=[[*(-sides[k] * normals[k]), *[0] * rows] for k in beside] or None,
+                b_ub=[sides[k] * offsets[k] for k in beside] or None,
+                bounds=[(-2, 2)] * n + limits,
             )
             if rest.status == 0:
                 x = rest.x[:n]
-                near = min((distance(x, *own) for own in known), default=np.inf)
-                assert near < 1e-6 or found.left, (rhs, x)
-    for start, end in ends:
-        for share in (0.01, 0.5, 0.99):
-            x = start + share * (end - start)
-            value = normal @ x + offset
-            signs = (np.sign(value),) * 2 if abs(value) > 1e-9 else (-1, 1)
-            assert linprog([0], A_eq=c[:, None], b_eq=-a @ x - b, bounds=[signs]).status == 0
+                near = min((hull_distance(x, own) for own in known), default=np.inf)
+                assert near < 1e-6, (rhs, x)
+    for corners in known[: len(found.stretches)]:
+        for weights in drawn.dirichlet(np.ones(len(corners)), 3):
+            x = weights @ corners
+            values = normals @ x + offsets
+            signs = [(np.sign(own),) * 2 if abs(own) > 1e-9 else (-1, 1) for own in values]
+            rest = a @ x + b
+            if rows == 1 or np.linalg.matrix_rank(normals) == rows:
+                assert linprog([0] * rows, A_eq=c, b_eq=-rest, bounds=signs).status == 0, (rhs, x)
+
+
+def test_fields_without_a_cell_hold_no_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where x and y are zero so is their sum; where they are positive it is not negative, whatever stands there."""
+    monkeypatch.setattr("nonsmooth.proofs.boxes.all_zeros.MOST_BOXES", 300)
+    monkeypatch.setattr("nonsmooth.proofs.rest_places.MOST_BOXES", 300)
+    rhs = ["-sign(x)", "-y", "1 - (1 + sign(x))*(1 + sign(y))*(1 - sign(x + y))/4"]
+    found = rest_places(ns.System(["x", "y", "z"], rhs, radius=1).system)
+    assert not found.places
+    assert not found.stretches
+
+
+@pytest.mark.parametrize("seed", keep(4, range(100)))
+def test_fields_of_cells_alone_have_a_say(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On planes that meet in one line, some signs of which no place has; what rests is told by values close by."""
+    monkeypatch.setattr("nonsmooth.proofs.boxes.all_zeros.MOST_BOXES", 100)
+    monkeypatch.setattr("nonsmooth.proofs.rest_places.MOST_BOXES", 100)
+    drawn = np.random.default_rng(seed)
+    n = 2 + seed % 2
+    planes, lines = np.array([[1, 0, 0], [0, 1, 0], [1, 1, 0]])[:, :n], ("x", "y", "x + y")
+    a, b = drawn.integers(-2, 3, (n, n)) / 2 * (drawn.random((n, n)) < 0.5), drawn.integers(-1, 2, n) / 2
+    chosen = [own for size in (1, 2, 3) for own in combinations(range(3), size)]
+    jumps = drawn.integers(-2, 3, (n, len(chosen))) / 4 * (drawn.random((n, len(chosen))) < 0.5)
+    products = ["*".join(f"sign({lines[k]})" for k in own) for own in chosen]
+    rhs = [sum_of([*row, c, *jump], [*"xyz"[:n], "1", *products]) for row, c, jump in zip(a, b, jumps, strict=True)]
+    found = rest_places(ns.System(list("xyz"[:n]), rhs, radius=1).system)
+
+    def may_rest(place: np.ndarray) -> bool:
+        near = place + drawn.uniform(-1e-7, 1e-7, (400, n))
+        signs = np.sign(near @ planes.T)
+        values = near @ a.T + b + np.stack([np.prod(signs[:, list(own)], axis=1) for own in chosen], axis=1) @ jumps.T
+        values = np.unique(np.round(values, 5), axis=0)
+        matrix = np.vstack([values.T, np.full(len(values), 10.0)])
+        return bool(nnls(matrix, [*np.zeros(n), 10.0])[1] < 2e-5)
+
+    known = [np.array([list(map(float, corner)) for corner in own.corners]) for own in found.stretches]
+    known += [np.array([list(map(float, own.place))]) for own in found.places]
+    for corners in known:
+        assert all(may_rest(weights @ corners) for weights in drawn.dirichlet(np.ones(len(corners)), 3)), rhs
+    boxes = [
+        (np.array([float(x.lower()) for x in own]), np.array([float(x.upper()) for x in own])) for own in found.left
+    ]
+    for share in drawn.uniform(-0.9, 0.9, (12, n)):
+        for normal in planes:
+            place = share - (share @ normal) / (normal @ normal) * normal
+            for own in (place, place * (np.arange(n) > 1)):
+                if may_rest(own) and np.abs(own).max() <= 1:
+                    is_known = any(hull_distance(own, corners) < 1e-4 for corners in known)
+                    assert is_known or any(np.all((low <= own + 1e-6) & (own - 1e-6 <= high)) for low, high in boxes)
+
+
+@pytest.mark.parametrize(
+    "rhs",
+    [
+        ["-sign(x) - sign(x + y)/2", "-sign(y) - sign(x + y)/2"],
+        # 0 is a mixture of fields on both sides of each pair of lines alone
+        [
+            "-x - sign(x)*sign(x + y)/2 + sign(y)*sign(x + y)/4 + sign(x)*sign(y)*sign(x + y)/2",
+            "2*x - 2*y + 1/2 - sign(x)*sign(y)/4 - sign(x)*sign(x + y)/4",
+        ],
+    ],
+)
+def test_a_corner_of_three_lines_is_found(rhs: list[str]) -> None:
+    """All cells around it have a say, and no others."""
+    places = rest_places(ns.System(["x", "y"], rhs, radius=1).system).places
+    (own,) = (place for place in places if place.exact is not None and not any(place.exact))
+    assert (own.kind, len(own.surfaces)) == (RestKind.CORNER, 3)
+
+
+def test_dry_friction_on_two_masses_holds_a_polygon() -> None:
+    """``|2 q - p| <= 1, |q - 2 p| <= 2``; in the plane dead zones of both states hold one in a cell."""
+    rhs = ["v", "w", "-2*q + p - sign(v)", "q - 2*p - 2*sign(w)"]
+    result = ns.System(["q", "p", "v", "w"], rhs, radius=2).equilibria()
+    assert result.exit_status == 0
+    (own,) = result.facts()["polytopes"]
+    assert [tuple(corner[:2]) for corner in own["corners"]] == [(-4 / 3, -5 / 3), (0, -1), (4 / 3, 5 / 3), (0, 1)]
+    dead = [f"(Abs({name} + 1) - Abs({name} - 1))/2 - {name}" for name in "xy"]
+    (own,) = ns.System(["x", "y"], dead, radius=2).equilibria().facts()["polytopes"]
+    assert list(map(tuple, own["corners"])) == [(-1, -1), (-1, 1), (1, 1), (1, -1)]
 
 
 RESTS = [
     ("-x**3 + x**5; -y", 3),  # a zero that is not simple
     ("-sin(x)**3; -y", 1),
-    ("-sign(x) + y/4; -sign(y) - x/4; -z", 1),  # two surfaces in space
+    ("-sign(x) + y/4; -sign(y) - x/4; -z - z**3", 1),  # two surfaces in space
     ("y; -sin(x)**3 - y", 1),
 ]
 
@@ -301,7 +385,7 @@ def test_a_second_place_where_one_attracts_is_a_contradiction(monkeypatch: pytes
     with pytest.raises(ContradictionError, match=r"as \(0.125, 0\), is certified to come to it; but what starts"):
         decided.decided_places(system)
     zero, end = system.field.zero, system.field.rational(Fraction(1, 8))
-    segment = RestSegment((zero, zero), (end, zero), RestKind.CELL, (end, zero))
+    segment = RestPolytope(((zero, zero), (end, zero)), RestKind.CELL, along=(end, zero))
     monkeypatch.setattr(decided, "rest_places", lambda _: replace(found, stretches=(segment,)))
     with pytest.raises(ContradictionError):
         decided.decided_places(system)
