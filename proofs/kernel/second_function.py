@@ -427,15 +427,20 @@ def rests(left: Sequence[Samples]) -> bool:
 
 
 def forms(survey: Survey) -> Iterator[Basis]:
-    """Forms of one degree, for some weights of the states; then with absolute values of surfaces that are forms too."""
+    """Forms of one degree, for some weights of the states; then with absolute values of surfaces that are forms too.
+
+    Those that are the same for several weights come once.
+    """
     count, listed = survey.system.count, survey.inclusion.surfaces.listed
+    met: set[tuple[tuple[Exponents, int | None], ...]] = {()}
     through = [j for j, own in enumerate(listed) if not own.at_origin]
     for bent, weights in product((False, True), WEIGHTS.get(count, ((1,) * count,))):
         degrees = {j: {_weight(e, weights) for e in listed[j].terms} for j in through[:MOST_BENDING]}
         graded = {j: max(own) for j, own in degrees.items() if len(own) == 1}
         for degree in range(1, (BENT_DEGREES if bent else DEGREES).get(count, 3) + 1):
             basis = _basis(survey, weights, range(degree, degree + 1), graded if bent else {})
-            if basis.functions and (graded or not bent):
+            if basis.functions not in met and (graded or not bent):
+                met.add(basis.functions)
                 yield basis
 
 
@@ -468,7 +473,7 @@ def rising(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
     alone = [(weights[k], k, sign) for k in range(size) for sign in (1, -1) if np.all(sign * rows[:, k] > SMALL)]
     for _, k, sign in sorted(alone)[:2]:
         yield [Fraction(sign * int(i == k)) for i in range(size)]
-    if alone:
+    if alone or size == 1:  # a multiple of one function does no more than the function
         return
     values = with_margin(rows, weights)
     found = None if values is None else rounded(values, lambda own: bool(np.all(rows @ own > SMALL)))
@@ -487,7 +492,7 @@ def not_falling(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
                 helps.append((-int(np.sum(own > SMALL)), weights[k], k, sign))
     for _, _, k, sign in sorted(helps)[:1]:
         yield [Fraction(sign * int(i == k)) for i in range(size)]
-    if helps:
+    if helps or size == 1:
         return
     count = len(rows)
     costs = np.r_[np.tile(weights, 2) * 2.0**-10, -np.ones(count)]

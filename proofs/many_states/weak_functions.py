@@ -63,7 +63,7 @@ from nonsmooth.proofs.sums_of_squares.conic_program import round_parameters, sol
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
-from nonsmooth.proofs.systems.energies import energy_near
+from nonsmooth.proofs.systems.energies import energies_within
 from nonsmooth.symbolic.formulas.enclosed_functions import TURNING, Wave
 from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.formulas.trees import ExpressionError, formula_tree, names_of, with_names, written
@@ -302,8 +302,7 @@ def energies_near(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExpression,
     """Proposals of a positive V that does not rise, with half the side of a cube; none on cubes beyond reach."""
     for power, share in product((2, 4), SHARES):
         radius = system.check.radius * share
-        energy = energy_near(system, radius) if power == 2 else None
-        if energy is not None:
+        for energy in energies_within(system, radius) if power == 2 else ():
             yield energy, radius
         with suppress(BeyondReachError, ExpressionError):
             for formula in weak_functions(system, radius, positive=True, power=power):

@@ -4,6 +4,7 @@ Where ``x_i`` acts upon all other states by one function, ``x_j' = ... + a_ji h_
 ``V = sum_i c_i H_i(x_i)`` with ``H_i' = h_i`` changes by ``(c_i a_ij + c_j a_ji) h_i h_j`` for each pair of states, and
 by what each damps by itself: with ``c_i a_ij = -c_j a_ji`` damping alone is left.  Of ``x' = v, v' = -g(x)`` it is
 ``G(x) + v^2/2``.  Where an h is a function of ``x_i + s x_j``, as under a saturated control, so may be its H.
+Springs that join several masses have an energy of their own (:mod:`nonsmooth.proofs.systems.coupled_energy`).
 
 ``V + c v h(x)`` with a small c, and ``h = x`` or ``h = g``, falls where v is zero, too: where g jumps, as that of a
 relay, terms of V' of lowest order must cancel exactly, and no linear program with a margin proposes such a V.
@@ -23,6 +24,7 @@ from typing import TypeAlias
 from flint import fmpq, fmpq_poly
 
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, formula_text, monomial
+from nonsmooth.proofs.systems.coupled_energy import coupled_energy
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.formulas.trees import ExpressionError
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
@@ -256,18 +258,21 @@ def _ends(system: SwitchedSystem, i: int, radius: Number | None) -> list[fmpq]:
 # ---- candidates ------------------------------------------------------------------------------------
 
 
-def energy_near(system: SwitchedSystem, radius: Number) -> PiecewiseExpression | None:
-    """The energy on a cube of some half-width; None where there is none."""
-    known = actions(system, radius)
-    return None if known is None else next(known.written(known.energy()), None)
+def energies_within(system: SwitchedSystem, radius: Number | None) -> Iterator[PiecewiseExpression]:
+    """That of masses which springs join, and the sum of functions of one state each, on a cube of some half-width."""
+    coupled, known = coupled_energy(system), actions(system, radius)
+    if coupled is not None:
+        yield coupled
+    if known is not None:
+        yield from known.written(known.energy())
 
 
 def energies(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
-    """The energy in the whole space, then those with an H of a linear form that switches."""
+    """Energies in the whole space, then those with an H of a linear form that switches."""
+    yield from energies_within(system, None)
     known = actions(system, None)
     if known is None:
         return
-    yield from known.written(known.energy())
     for surface in system.surfaces(system.displaced(system.states)):
         slopes = {e.index(1): c for e, c in surface.terms.items() if sum(e) == 1}
         for i in slopes if surface.degree == 1 and len(slopes) > 1 else ():

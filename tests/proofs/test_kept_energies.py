@@ -89,7 +89,8 @@ def test_a_weak_focus_is_decided_as_it_turns(text: str) -> None:
     assert said_by_energy(text) == (GROWS if turned > 0 else FALLS)
 
 
-@pytest.mark.parametrize("text", keep(1, list(WEAK_FOCI)))
+@thorough  # how they are decided: the test above; certificates of all theorems: checker/test_corpus.py
+@pytest.mark.parametrize("text", WEAK_FOCI)
 def test_its_certificate_is_accepted(text: str) -> None:
     """A focus that attracts has a region and a rate, too."""
     result = ns.System(["x", "y"], rhs_of(text)).check()
