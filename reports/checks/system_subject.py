@@ -52,13 +52,13 @@ class SystemSubject(ReportSubject):
     @cached_property
     def seen(self) -> SwitchedSystem:
         """The system whose cells are told; with the velocities of states, in roots, where V falls along these."""
-        roots = self.result.scene.by_roots
-        return self.scene if roots is None or not self.result.is_in_time_of_states else roots.unscaled
+        roots = self.scene.by_roots and self.result.scene.by_roots  # nothing is decided where there are none
+        return roots.unscaled if roots and self.result.is_in_time_of_states else self.scene
 
     @property
     def is_in_plane(self) -> bool:
         """Whether it has two states and no roots of them: then cells are polygons of the states, and can be drawn."""
-        return self.scene.is_planar and self.scene.by_roots is None
+        return self.scene.is_planar and not self.scene.by_roots
 
     @cached_property
     def polygons(self) -> tuple[FieldCell, ...]:
@@ -98,7 +98,7 @@ class SystemSubject(ReportSubject):
         if self.is_in_plane:
             near = (cell for cell in self.polygons if adherence(cell.region) is not Adherence.NO)
             return list(values_at_origin(near))
-        system = self.scene if self.scene.by_roots is None else self.scene.by_roots.unscaled
+        system = self.scene.by_roots.unscaled if self.scene.by_roots else self.scene
         cells, number = build_cells(system, system.check.radius, irrational=True), system.field
         velocities = (own for cell in adjoining(cells) for own in cell.velocities)
         return list(dict.fromkeys(tuple(number(part.at_origin) for part in own) for own in velocities))

@@ -466,7 +466,7 @@ def test_on_rings_grids_and_random_arrays(ratio: float, points: int) -> None:
 @pytest.mark.parametrize("exponent", range(-12, 13, 3))
 @pytest.mark.parametrize("seed", range(4))
 def test_at_extreme_friction(exponent: int, seed: int) -> None:
-    model, loads = at_random_points(random_array(seed, (1, 10.0**exponent)), 200, seed)
+    model, loads = at_random_points(random_array(seed, (1, 10.0**exponent)), 50, seed)
     assert EllipseMinimizer().minimize(model, loads).check(1e-9).all()
 
 
@@ -480,8 +480,8 @@ def test_at_extreme_loads_places_and_speeds(seed: int) -> None:
     def moved(positions: Floats) -> ContactModel:
         return ContactModel.build(positions, model.rims, surface, friction)
 
-    wide = 10.0 ** rng.uniform(-12, 0, (100, model.wheels))
-    even = rng.dirichlet(np.ones(model.wheels), size=100)
+    wide = 10.0 ** rng.uniform(-12, 0, (30, model.wheels))
+    even = rng.dirichlet(np.ones(model.wheels), size=30)
     speeds = 10.0 ** rng.uniform(-9, 9, model.wheels)
     for other, loads in [
         (model, wide),

@@ -18,7 +18,7 @@ from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.plain import built, refused
-from tests.thorough import few, thorough
+from tests.thorough import few, keep, thorough
 
 ATTRACTS, LEAVES, OPEN = Translation.ASYMPTOTICALLY_STABLE, Translation.UNSTABLE, Translation.UNDECIDED
 STATES = ("x", "y", "z")
@@ -112,7 +112,7 @@ def test_a_differentiator_with_a_wrong_sign_leaves() -> None:
     assert sizes_of_ends(gains)[1] > 30
 
 
-@few(3)
+@few(2)
 @pytest.mark.parametrize("seed", range(40))
 def test_random_systems_agree_with_their_polygons(seed: int) -> None:
     source = random.Random(seed)
@@ -174,8 +174,7 @@ BHAT = ["y", "-Abs(x)**(1/3)*sgn(x) - sqrt(Abs(y))*sgn(y)"]
 TERMINAL = ["y", "-2*sgn(y + sqrt(Abs(x))*sgn(x))"]
 
 
-@few(2)
-@pytest.mark.parametrize(("rhs", "loss"), [(SUPER_TWISTING, 4), (TWISTING, 4), (TERMINAL, 6), (BHAT, 12)])
+@pytest.mark.parametrize(("rhs", "loss"), keep(1, [(SUPER_TWISTING, 4), (TWISTING, 4), (TERMINAL, 6), (BHAT, 12)]))
 def test_no_path_takes_longer_than_the_time_of_arrival(rhs: list[str], loss: float) -> None:
     """And some of them take at least a part of it: the bound is of use."""
     result = decide_system(built(rhs))

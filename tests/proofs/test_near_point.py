@@ -94,7 +94,7 @@ def test_known_verdicts_are_shown_to_the_checker(name: str) -> None:
     assert refused(record) == ""
 
 
-@few(2)
+@few(1)
 @pytest.mark.parametrize(
     "name", ["turns outward", "turns inward", "closed orbits", "slides away", "saddle beside curves"]
 )

@@ -312,7 +312,7 @@ def array(name: str, rule: str = "ellipse") -> ns.Array:
 def test_rows_are_minimizers_of_the_dissipation(name: str) -> None:
     own = array(name)
     field = sample_field(own.scene, 5)
-    for k in (1, 7, 13, 22):
+    for k in (1, 13):
         place = field.points[k]
         loads = loads_at(contact_model(own.scene), place[None])[0]
         vx, vy, omega = EllipseDissipation(own.scene, loads).minimizer()

@@ -43,7 +43,7 @@ QUICK = tuple(
 )
 
 
-@pytest.fixture(scope="module", params=keep(2, SCENES))
+@pytest.fixture(scope="module", params=keep(1, SCENES))
 def report(request: pytest.FixtureRequest) -> ReportResult:
     return derived(request.param)
 

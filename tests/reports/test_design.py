@@ -295,6 +295,7 @@ def test_a_disc_of_bodies_that_turn_beside_the_point_is_no_basin(verdict: Positi
     assert OBJECTIVES["basin"](cast("Any", None), (position,)) == basin
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_rates_of_unlike_units_are_not_compared() -> None:
     """Under rollers the spiral brings bodies near by a certain time; better headings bring them home exponentially."""
     spiral = ns.load("spiral-30")
@@ -311,6 +312,7 @@ def test_rates_of_unlike_units_are_not_compared() -> None:
     assert "% more" not in shown
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_bodies_with_inertia_settle_sooner(invoke: Invoke, tmp_path: Path) -> None:
     """The value is that of the simulation of a check of the same array; without units there is none."""
     (tmp_path / "table.toml").write_text(HEAVY, encoding="utf-8")

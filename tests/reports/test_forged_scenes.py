@@ -112,6 +112,7 @@ def test_a_square_beyond_the_range_of_floats_is_checked(tmp_path: Path) -> None:
 BEYOND = "*1e300*1e300"
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_numbers_beyond_floats_propose_nothing(tmp_path: Path) -> None:
     """Rows for linear and conic programs hold infinities there; warnings are errors in the tests."""
     for name, f, g in (

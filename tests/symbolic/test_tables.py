@@ -360,6 +360,7 @@ BY_SIGNS = [
 ]
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize(("tables", "rhs"), keep(2, BY_SIGNS))
 def test_tables_and_signs_have_the_same_verdict(tables: list[dict[str, Any]], rhs: list[str]) -> None:
     by_tables = decide_system(built(tables))
