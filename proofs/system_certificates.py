@@ -142,6 +142,9 @@ def _certificate_about(result: DecidedSystem) -> Record:
             draft.add_global(system, result.reach.global_entry)
             if result.reach.homogeneous is not None:
                 draft.add_homogeneous(system, result.scene, result.reach.homogeneous)
+            if result.reach.approach is not None and not system.numbers:
+                entry = result.reach.approach
+                draft.add_entry(system, entry["theorem"], entry["hypotheses"], entry["proofs"])
             if result.reach.arrival is not None:
                 draft.add_arrival(system, result.reach.arrival, result.scene.stated_states)
             if result.reach.basin is not None and system.numbers:

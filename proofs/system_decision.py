@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.falling_function import FallingFunction, claims_about
-from nonsmooth.proofs.findings import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Record, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, are_about_forms
@@ -40,6 +40,8 @@ from nonsmooth.symbolic.systems.switched_system import MOST_ORDER, Enclosed, Swi
 if TYPE_CHECKING:
     from nonsmooth.proofs.parts import CascadeBlock, Parts
 
+STABILITY = "stability"
+REQUIRABLE = (STABILITY, "attraction", "everywhere", "approach")  # what exit status 0 may be asked to say
 MOST_PARTS = 32  # that are kept
 MOST_HALVINGS = 20  # of the cube, until switching surfaces that do not hold the point lie outside
 NARROW = 1  # half-width of a square on which the first terms enclose sines closely
@@ -52,7 +54,26 @@ class StabilityResult(DecidedSystem):
     @property
     def exit_status(self) -> int:
         """0 stable, 1 unstable or no equilibrium, 3 undecided."""
-        return {Translation.UNSTABLE: 1, Translation.UNDECIDED: 3}.get(self.verdict, 0)
+        return self.status([STABILITY])
+
+    def status(self, required: Sequence[str]) -> int:
+        """0 where all that is required is shown, 1 where some of it is refuted, else 3.
+
+        Args:
+            required: of REQUIRABLE: that solutions stay near; come from near, or from everywhere; approach equilibria.
+        """
+        attracts = self.verdict is Translation.ASYMPTOTICALLY_STABLE
+        shown = {
+            STABILITY: attracts or self.verdict is Translation.STABLE,
+            "attraction": attracts,
+            "everywhere": self.reach.everywhere,
+            "approach": attracts or self.reach.approach is not None,
+        }
+        refuted = set(REQUIRABLE) if self.verdict is Translation.UNSTABLE else set()
+        if self.deciding.refutes:
+            refuted |= {"attraction", "everywhere"}
+        missing = {name for name in required if not shown[name]}
+        return 1 if missing & refuted else 3 if missing else 0
 
     def __repr__(self) -> str:
         said = f"verdict={str(self.verdict)!r}, method={str(self.method)!r}, reason={self.reason!r}"
@@ -404,6 +425,8 @@ MOST_DEGREE = 6  # of V' whose sign is asked for below a level of a searched V: 
 def reach_of(point: CheckedPoint, found: Finding) -> Reach:
     """How far and how fast a finding carries: by the V that decides, and as far as the field is homogeneous."""
     known = point.reach(found)
+    if found.verdict is Translation.STABLE:
+        return replace(known, approach=_approach(point.system, found.function))
     if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
         return known
     from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
@@ -414,6 +437,17 @@ def reach_of(point: CheckedPoint, found: Finding) -> Reach:
     if own is None or (reach.everywhere and (in_time or not own.arrives)):
         return reach
     return replace(reach, everywhere=True, in_finite_time=reach.in_finite_time or own.arrives, homogeneous=own)
+
+
+def _approach(system: SwitchedSystem, function: ExaminedFunction | None) -> Record | None:
+    """That solutions approach the set of equilibria, by the V that shows stability, or else by an energy."""
+    if len(system.states) == 1:
+        return None
+    from nonsmooth.proofs.approach_to_rest import find_approach
+
+    if function is None:
+        return find_approach(system)
+    return find_approach(system, (function.formula, function.stated_on.radius or system.check.radius))
 
 
 def _reach_by_function(point: CheckedPoint, found: Finding, known: Reach) -> Reach:
@@ -436,7 +470,7 @@ def _reach_by_function(point: CheckedPoint, found: Finding, known: Reach) -> Rea
     return _with_rate(system, found.entry or entry, reach) if everywhere and function is None else reach
 
 
-def _with_rate(system: SwitchedSystem, entry: dict[str, Any] | None, reach: Reach) -> Reach:
+def _with_rate(system: SwitchedSystem, entry: Record | None, reach: Reach) -> Reach:
     """With the rate of a V that stands in evidence alone, as every start comes to the point and no V decides."""
     function = None if entry is None else entry["hypotheses"].get("function")
     others = {"denominator", "roots"}  # of which V is no formula of the coordinates

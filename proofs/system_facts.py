@@ -67,6 +67,9 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     reach = result.reach
     if reach.global_entry is not None:
         yield row_fact("from everywhere", global_words(reach.global_entry, scene.stated_states))
+    if reach.approach is not None:
+        words = approach_words(reach.approach, states)
+        yield Fact("approach", _approach_record(reach.approach, words), words, row="approaches")
     if reach.homogeneous is not None:
         own = reach.homogeneous
         record = {"weights": Quantity(own.weights), "degree": Quantity(own.degree)}
@@ -227,6 +230,28 @@ def global_words(entry: Mapping[str, Any], states: Sequence[str]) -> str:
     if hypotheses["second"] is None:
         return f"{function} falls in the whole space too, {bounded}"
     return f"{function} does not increase in the whole space, {bounded}, and no other solution stays where V' = 0"
+
+
+def approach_words(entry: Mapping[str, Any], states: Sequence[str]) -> str:
+    """Which solutions are certified to approach the set of equilibria, and by which V."""
+    own = entry["hypotheses"]
+    within, function = own["cells"]["within"], f"V = {one_line(own['function'])}"
+    where = "near it" if within is None else cube_text(Fraction(within), states)
+    return f"{_approaching(own, where)} approaches the set of equilibria: where {function} is kept, nothing moves"
+
+
+def _approaching(hypotheses: Mapping[str, Any], cube: str) -> str:
+    if hypotheses["proper"] is not None:
+        return "every solution"
+    if hypotheses["level"] is not None:
+        return f"every start with V < {hypotheses['level']} within {cube}"
+    return "every solution from near the equilibrium"
+
+
+def _approach_record(entry: Mapping[str, Any], words: str) -> dict[str, object]:
+    own = entry["hypotheses"]
+    record = {"V": one_line(own["function"]), "everywhere": own["proper"] is not None}
+    return {**record, "level": own["level"], "within": own["cells"]["within"], "text": words}
 
 
 def region_words(region: SublevelRegion, states: Sequence[str]) -> str:

@@ -152,6 +152,14 @@ def _attracts(said: Any, system: System) -> str:
     return f"{starts} tends to the point, {_function(said, system)}"
 
 
+def _approaches(said: Any, system: System) -> str:
+    if type(said) is str:
+        starts = "every solution" if said == "everywhere" else "every solution from near the point"
+        return f"{starts} approaches the set of equilibria"
+    starts = f"every start with V < {said['below']} within {_cube(said, system)}"
+    return f"{starts} approaches the set of equilibria, {_function(said, system)}"
+
+
 def _arrives(said: Any, system: System) -> str:
     if type(said) is str:
         return f"every solution arrives {said}"
@@ -210,6 +218,7 @@ OF_SYSTEMS: dict[str, Callable[[Any, System], str]] = {
     "stability": _stability,
     "equilibrium": _equilibrium,
     "attracts": _attracts,
+    "approaches": _approaches,
     "arrives": _arrives,
     "outside": _outside,
     "rate": _rate,

@@ -13,6 +13,7 @@ import json
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
+from .approach import show_approach
 from .array_basin import show_array_basin
 from .basin import show_basin
 from .cells import System
@@ -35,6 +36,7 @@ Theorem: TypeAlias = Callable[[Any, Any, Proofs], list[Statement]]  # of a subje
 THEOREMS: dict[str, Theorem] = {  # of systems
     **ABOUT_PARTS,
     "homogeneous": show_scaled,
+    "approach": show_approach,
     "basin": show_basin,
     "circles": show_on_circles,
     "outside": show_outside,

@@ -227,6 +227,8 @@ class Reach(ShortRepr):
             or arrives.
         in_finite_time: whether solutions near the point are known to arrive in finite time.
         arrival: a bound of that time, for all starts of the space.
+        approach: of a point that is stable alone, the theorem that solutions approach the set of equilibria, as a
+            certificate holds it.
     """
 
     everywhere: bool = False
@@ -241,6 +243,7 @@ class Reach(ShortRepr):
     global_entry: Record | None = field(default=None, hash=False)
     basin: CertifiedBasin | None = field(default=None, hash=False)
     arrival: Arrival | None = field(default=None, hash=False)
+    approach: Record | None = field(default=None, hash=False)
 
 
 @dataclass(frozen=True)

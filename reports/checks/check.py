@@ -36,7 +36,7 @@ THEOREM = "theorem4"
 REQUIRABLE = ("position", "heading", "pose", "inertia", "tolerances", THEOREM)
 CERTIFICATES, LAWS = (".json",), (".py", ".c", ".st", ".csv")  # what these files may end in
 ONE_FAILS = (None, 1, "1", "any")  # of --fail
-OF_ARRAYS = {"require": "--require", "prune": "--no-prune"}  # what a plain system does not have
+OF_SYSTEMS = ("stability", "attraction", "everywhere", "approach")  # the same of a plain system
 OF_ONE_ARRAY = ("law", "law_name", "continuum", "headings", "fail")
 OF_ONE_SCENE = ("certificate", "evidence", "region", *OF_ONE_ARRAY)
 
@@ -74,7 +74,8 @@ class CheckOptions(Options):
     require: str | None = option(
         None,
         f"What exit status 0 means, of {', '.join(REQUIRABLE)}: comes home or near, keeps, can be held, stable and "
-        "settles (simulated), certified, holds.",
+        f"settles (simulated), certified, holds. Of a plain system, of {', '.join(OF_SYSTEMS)}: solutions stay near, "
+        "come from near or from everywhere, approach equilibria.",
         metavar="NAME,...",
     )
     continuum: bool = option(False, "Add what a continuous field would do to an object.")
@@ -88,19 +89,21 @@ class CheckOptions(Options):
     )
     evidence: bool = option(False, "Print why, too: each clause, or V and its derivatives, with all numbers.")
 
-    @property
-    def required(self) -> tuple[str, ...]:
-        """The answers that exit status 0 asks for; the theorem alone unless told.
+    def required_of(self, scene: AnyScene) -> tuple[str, ...]:
+        """The answers that exit status 0 asks for; the theorem alone unless told, of a plain system its stability.
 
         Raises:
             RefusedError: for a name that is none.
         """
+        is_system = scene.kind is SceneKind.SYSTEM
+        known = OF_SYSTEMS if is_system else REQUIRABLE
         if self.require is None:
-            return (THEOREM,)
+            return (OF_SYSTEMS[0] if is_system else THEOREM,)
         names = tuple(name.strip() for name in str(self.require).split(","))
-        unknown = next((name for name in names if name not in REQUIRABLE), None)
+        unknown = next((name for name in names if name not in known), None)
         if unknown is not None:
-            raise RefusedError(f"--require: required names among {', '.join(REQUIRABLE)}, received {unknown[:60]!r}")
+            where = f"{scene.origin}: " if is_system else ""
+            raise RefusedError(f"{where}--require: required names among {', '.join(known)}, received {unknown[:60]!r}")
         return names
 
 
@@ -120,7 +123,6 @@ class CheckStudy(SceneStudy[CheckOptions]):
     def refuse(self, asked: StudyRequest[CheckOptions], path: Path | None) -> None:
         """Refuse what cannot be asked of these scenes."""
         options, scenes = asked.options, _listed(asked.scene)
-        _ = options.required
         if options.fail not in ONE_FAILS:
             raise RefusedError(f"--fail: required 1 or any, one wheel at a time, received {shown(options.fail)}")
         for flag, file, endings in (("--certificate", options.certificate, CERTIFICATES), ("--law", options.law, LAWS)):
@@ -131,11 +133,12 @@ class CheckStudy(SceneStudy[CheckOptions]):
         if not options.law:
             asked.refuse(("law_name",), "--law", "none")
         for scene in scenes:
-            if scene.kind is SceneKind.ARRAY and "inertia" in options.required and options.rule != ALL_RULES:
+            required = options.required_of(scene)
+            if scene.kind is SceneKind.ARRAY and "inertia" in required and options.rule != ALL_RULES:
                 from nonsmooth.proofs.answers.answer import require_dynamics
 
                 require_dynamics(scene, "--require inertia")
-            if scene.kind is SceneKind.ARRAY and "tolerances" in options.required:
+            if scene.kind is SceneKind.ARRAY and "tolerances" in required:
                 from nonsmooth.proofs.answers.answer import require_tolerances
 
                 require_tolerances(scene)
@@ -143,9 +146,7 @@ class CheckStudy(SceneStudy[CheckOptions]):
                 _require_array(scene, f"--rule {ALL_RULES}" * (options.rule == ALL_RULES), "a plain system")
                 finder = f"a plain system, of which nonsmooth equilibria {quote(scene.origin)} finds the places of rest"
                 _require_array(scene, "--at auto" * (options.at == AUTO), finder)
-                unused = next((flag for name, flag in OF_ARRAYS.items() if name in asked.given), "")
-                by_itself = ", whose exit status is 0 where it is stable" if unused == "--require" else ""
-                _require_array(scene, unused, f"a plain switched system{by_itself}")
+                _require_array(scene, "--no-prune" * ("prune" in asked.given), "a plain switched system")
         if len(scenes) > 1:
             asked.refuse(OF_ONE_SCENE, "one scene", str(len(scenes)))
         elif scenes[0].kind is SceneKind.SYSTEM:
@@ -287,7 +288,7 @@ def _under_one_rule(
 
         announce("any one wheel failed")
         failures = failures_of(result.scene)
-    result = replace(result, required=options.required, shows_evidence=options.evidence)
+    result = replace(result, required=options.required_of(scene), shows_evidence=options.evidence)
     if options.region not in (RegionSearch.AUTO, RegionSearch.NONE):
         result = result.with_triangles(str(options.region))
     return replace(result, continuum=continuum, failures=failures)
@@ -367,7 +368,8 @@ def check_system(system: SwitchedSystem) -> SystemCheckResult:
 
 def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
     """The stability of a plain system, with a region unless told; its certificate where asked for."""
-    result = replace(check_system(system), shows_evidence=options.evidence)
+    required = options.required_of(system)
+    result = replace(check_system(system), shows_evidence=options.evidence, required=required)
     is_asked, search = options.region is not RegionSearch.AUTO, options.region
     if not is_asked:
         search = RegionSearch.FAST if len(system.states) > 1 else RegionSearch.NONE
@@ -422,14 +424,14 @@ def _summary_line(scene: Any, options: CheckOptions, *, records: bool) -> Summar
     from nonsmooth.symbolic.mechanics.contact_set import TipsError
 
     if scene.kind is SceneKind.SYSTEM:
-        found = check_system(scene)
+        found = replace(check_system(scene), required=options.required_of(scene))
         return SummaryLine(scene.origin, NONE, (found.verdict,), NONE, found.exit_status, found.facts())
     rule = str(scene.contact.rule)
     try:
         result = check_array(scene, prune=options.prune)
         record = result.facts() if records else {}
         answers = tuple(str(answer.verdict) for answer in (result.position, result.heading, result.pose))
-        status = exit_status(result.evidence, options.required)
+        status = exit_status(result.evidence, options.required_of(scene))
         return SummaryLine(scene.origin, rule, answers, result.theorem4, status, record)
     except TipsError as tipping:
         tipped = TippedResult(scene, tipping)

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from nonsmooth.proofs.findings import Record, Translation
-from nonsmooth.proofs.system_decision import StabilityResult
+from nonsmooth.proofs.system_decision import STABILITY, StabilityResult
 from nonsmooth.proofs.system_facts import (
+    approach_words,
     arrival_words,
     audit_facts,
     basin_words,
@@ -163,6 +164,7 @@ class SystemCheckResult(FactResult):
         evidence: everything that was proved; ``evidence.check()`` asks the stand-alone checker.
         shows_evidence: whether a terminal shows all of it.
         hint: what a longer search may find; empty without.
+        required: what exit status 0 says, of REQUIRABLE (:mod:`nonsmooth.proofs.system_decision`).
     """
 
     formats: ClassVar[Formats] = {**FORMATS, **EXPORTS}
@@ -170,6 +172,7 @@ class SystemCheckResult(FactResult):
     evidence: StabilityResult
     shows_evidence: bool = False
     hint: str = ""
+    required: tuple[str, ...] = (STABILITY,)
 
     @property
     def verdict(self) -> str:
@@ -269,8 +272,8 @@ class SystemCheckResult(FactResult):
 
     @property
     def exit_status(self) -> int:
-        """0 stable, 1 unstable or no equilibrium, 3 undecided."""
-        return self.evidence.exit_status
+        """0 where what is required is shown, stability unless told; 1 where it is refuted, else 3."""
+        return self.evidence.status(self.required)
 
     @property
     def found(self) -> Sequence[Fact]:
@@ -366,6 +369,9 @@ def system_answers(result: StabilityResult) -> Iterator[SystemAnswer]:
         yield _how_fast(result)
         if result.reach.gain is not None:
             yield SystemAnswer("disturbed", "bounded", gain_words(result.reach.gain, result.scene.states))
+    if result.reach.approach is not None:
+        words = approach_words(result.reach.approach, result.scene.states)
+        yield SystemAnswer("approaches", "equilibria", words)
     if verdict is not Translation.UNDECIDED:
         yield SystemAnswer("proved by", str(result.method), _proof_words(result))
     tried = result.given

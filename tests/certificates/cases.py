@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.kernel.search import WORK, Search
-from nonsmooth.proofs.kernel.second_function import find_second
+from nonsmooth.proofs.kernel.second_function import Survey, find_second
 
 Record: TypeAlias = dict[str, Any]
 
@@ -316,6 +316,29 @@ def with_second(about: Record, hypotheses: Record) -> Record:
     found = find_second(read_subject(about), hypotheses["cells"], hypotheses["function"])
     assert found is not None
     return {**hypotheses, "second": found}
+
+
+# ---- theorem approach --------------------------------------------------------------------------
+
+
+def sets_of_equilibria() -> Iterator[Case]:
+    """Dry friction on one mass and on one of two, an epidemic, and agents that agree, with signs too."""
+    friction, chain = subject(["y", "-x - sign(y)"]), subject(["z", "u", "y - 2*x - z", "x - 2*y - 2*sign(u)"])
+    epidemic, agree = subject(["-x*y", "x*y - y"]), subject(["y - x", "x - 2*y + z", "y - z"])
+    signs = subject(["sign(y - x)", "sign(x - y) + sign(z - y)", "sign(y - z)"])
+    yield approach("friction", friction, squares_of("xy"), cells("y", within=None), proper="1/4")
+    form = "2*x**2 - 2*x*y + 2*y**2 + z**2 + u**2"
+    yield approach("friction-on-one-of-two", chain, form, cells("u", within="1/4"), level="1/32")
+    yield approach("epidemic", epidemic, "x**2 - 2/3*x**3 - 2*x**2*y + 16*y**2", cells(within="1/8"))
+    yield approach("agree", agree, squares_of("xyz"), cells(within=None), proper="1")
+    yield approach("agree-by-signs", signs, squares_of("xyz"), cells("x - y", "y - z"), level="1/2")
+
+
+def approach(name: str, about: Record, function: str, where: Record, **more: str) -> Case:
+    """A case of theorem ``approach``."""
+    zeros = Survey(read_subject(about), where, function, [], Search(WORK), None).zeros
+    own = {"cells": where, "function": function, "zeros": zeros, "level": None, "proper": None, **more}
+    return Case(f"approach-{name}", about, "approach", own)
 
 
 # ---- theorems instability and departure --------------------------------------------------------
@@ -768,6 +791,7 @@ GROUPS = (
     sines_beside_roots,
     functions_of_roots,
     jumps_with_what_is_continuous,
+    sets_of_equilibria,
 )
 
 

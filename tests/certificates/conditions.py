@@ -958,6 +958,32 @@ def of_forms_of_several_degrees() -> Iterator[Forgery]:
     yield of_subject(words, subject, [ATTRACTS, EVERYWHERE], "lyapunov", hypotheses, entry["proofs"])
 
 
+def of_sets_of_equilibria() -> Iterator[Forgery]:
+    """Orbits about the point, a curve of equilibria, one that is seen by a root, and levels of nothing."""
+    near = {"approaches": "near"}
+
+    def approach(because: str, rhs: list[str], bound: Any, cell: str = "", **more: Any) -> Forgery:
+        about = {"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]}
+        where = more.get("cells", cube("1"))
+        verdict = {"verdict": "stable", "second": None, "everywhere": False, "level": None, "below": False}
+        own = {"cells": where, "function": "x**2 + y**2", "rate": None, **verdict}
+        proofs = Search().entry(read_subject(about), "lyapunov", own)[0]["proofs"]
+        name = f"cell {cell} field 0"
+        hypotheses = {"cells": cube("1"), "function": "x**2 + y**2", "zeros": {name: bound}, "level": None}
+        hypotheses |= {"proper": None, **more}
+        return of_subject(because, about, [STABLE, near], "approach", hypotheses, {**proofs, name: PLAIN})
+
+    yield approach("velocities that lead along no place where V is kept", ["y", "-x"], [])
+    curved = ["x*(y - x**2)", "x**2 - y"]
+    yield approach("flat places where V is kept", curved, [["2", [["y - x**2", 2]]]])
+    rests, line = ["0", "-y"], [["2", [["y", 2]]]]
+    yield approach("a positive level on a cube", rests, line, level="0")
+    yield approach("a positive level on a cube", rests, line, level="1", cells=cube(None))
+    rooted = approach("a system that is not seen by roots of its states", rests, line)
+    ((text, times),) = rooted.text
+    yield replace(rooted, text=((text.replace('"at":["0","0"]', '"at":["0","0"],"roots":["x"]'), times),))
+
+
 def of_names_of_roots() -> Iterator[Forgery]:
     """Roots that are none, or not rational at the point."""
     roots: Path = ["statement", "subject", "roots"]
@@ -1000,5 +1026,6 @@ def conditions() -> Iterator[Forgery]:
         *(of_cells, of_faces, of_points, of_pieces),
         *(of_escape, of_choice, of_circles, of_centres, of_polygons, of_meshes, of_names_of_roots, of_parts),
         *(of_resting_places, of_a_relay_in_space, of_homogeneous_systems, of_forms_of_several_degrees),
+        of_sets_of_equilibria,
     ):
         yield from kind()

@@ -31,6 +31,7 @@ NEARER = 0.1  # of a distance: nearer none comes from outside of a polygon
 TIME, LONGEST = 0.02, 5.0  # a step and all of them, where steps are equal
 SLOW = 1e18  # of a time: a solution of x' = x**9 that starts at 1/100 is gone by then
 MOST_STEPS = 2000
+WINDOW = 20  # equal steps, in which a polygon that slides to and fro moves as the solution does
 PATIENT = 50  # times as long, where slides lead outward like y**3: none of the other polygons sees that
 
 OPERATIONS: dict[type, Callable[[Any, Any], Any]] = {
@@ -165,18 +166,23 @@ class FloatInclusion:
         return np.stack(places), np.stack(times)
 
     def drift(self, starts: Array, furthest: float, longest: float = LONGEST) -> Array:
-        """Distances along polygons with equal steps of time, which slide on surfaces; frozen beyond a distance.
+        """Distances along :meth:`slides`."""
+        return np.asarray(np.linalg.norm(self.slides(starts, furthest, longest), axis=2))
+
+    def slides(self, starts: Array, furthest: float, longest: float = LONGEST) -> Array:
+        """Places along polygons with equal steps of time, which slide on surfaces; frozen beyond a distance.
 
         By the mean of two velocities (Heun): with the first alone polygons about a centre grow.
         """
-        z, found = starts.copy(), [np.linalg.norm(starts, axis=1)]
-        near = 0.1 * found[0]
+        z, found = starts.copy(), [starts]
+        first = np.linalg.norm(starts, axis=1)
+        near = 0.1 * first
         for _ in range(int(longest / TIME)):
             v = self.members(z, near)
-            step = np.minimum(TIME, 0.3 * found[0] / (np.linalg.norm(v, axis=1) + 1e-300))
-            step = np.where(found[-1] < furthest, step, 0.0)[:, None]
+            step = np.minimum(TIME, 0.3 * first / (np.linalg.norm(v, axis=1) + 1e-300))
+            step = np.where(np.linalg.norm(z, axis=1) < furthest, step, 0.0)[:, None]
             z = z + step / 2 * (v + self.members(z + step * v, near))
-            found.append(np.linalg.norm(z, axis=1))
+            found.append(z)
         return np.stack(found)
 
     def stiffly(self, starts: Array, furthest: float) -> float:
@@ -286,6 +292,30 @@ def judge_region(own: FloatInclusion, said: Any, half: float) -> str:
     return f"V gets {high:.3g} from below {level}" if high > 1.05 * level else ""
 
 
+def judge_approach(own: FloatInclusion, said: Any, half: float) -> str:
+    """Most polygons do not go on moving as fast as at first, by what they move in short times."""
+    if isinstance(said, dict):
+        outside = judge_region(own, said, half)
+        if outside:
+            return outside
+        half = float(Fraction(said["within"]))
+        starts = own.cube(half)
+        values, level = levels(own, said, starts), float(Fraction(said["below"]))
+        starts = starts[(0.5 * level < values) & (values < 0.95 * level)][:STARTS]  # not so small as polygons jitter
+        if not len(starts):
+            return ""
+    else:
+        starts = own.sphere(half / 10)
+    places = own.slides(starts, 100 * half, 4 * LONGEST)[::WINDOW]
+    moves = np.linalg.norm(np.diff(places, axis=0), axis=2)
+    part = len(moves) // 3
+    early, late = moves[:part].sum(axis=0), moves[-part:].sum(axis=0)
+    goes_on = (late > 0.97 * early) & (moves.sum(axis=0) > 10 * np.linalg.norm(starts, axis=1))
+    if 2 * goes_on.sum() <= len(starts):
+        return ""
+    return f"a polygon moves {early[goes_on][0]:.3g} at first, later {late[goes_on][0]:.3g}"
+
+
 def judge_mesh(own: FloatInclusion, said: Any) -> str:
     """Polygons from simplices of a mesh in which W is below the level go no farther than the mesh, and end nearer."""
     mesh, level = said["mesh"], float(said["below"])
@@ -391,6 +421,7 @@ JUDGES: dict[str, Callable[[FloatInclusion, Any, float], str]] = {
     "stability": judge_stability,
     "equilibrium": judge_equilibrium,
     "attracts": judge_region,
+    "approaches": judge_approach,
     "outside": judge_outside,
     "rate": judge_rate,
     "arrives": judge_arrival,

@@ -57,6 +57,8 @@ def translated(certificate: Record) -> Record:
         raise NoWordError("irrational numbers")
     if any(wave in formula for side in subject["rhs"] for formula in side for wave in ("sin(", "cos(")):
         raise NoWordError("sines and cosines")
+    if any(entry["hypotheses"].get("roots") is not None for entry in certificate["evidence"]):
+        raise NoWordError("functions of roots of states")
     if any("denominator" in entry["hypotheses"] for entry in certificate["evidence"]):
         raise NoWordError("a V with a denominator")
     if any(_is_about_space(entry["hypotheses"]) for entry in certificate["evidence"]):

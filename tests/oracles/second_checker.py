@@ -13,7 +13,7 @@ from itertools import combinations, product
 from math import prod
 from typing import Any, TypeAlias
 
-from flint import fmpq
+from flint import fmpq, fmpq_mat
 
 from tests.oracles.second_formulas import (
     GENS,
@@ -266,6 +266,7 @@ class Lyapunov:
 
     def __init__(self, inclusion: Inclusion, below: fmpq | None, proofs: Proofs, border: str = "sl") -> None:
         self.inclusion, self.below, self.proofs, self.border = inclusion, below, proofs, border
+        self.kept: list[tuple[Subspace, Fields]] | None = None  # where V may be kept, if that is asked for
 
     def guards(self, coordinates: Sequence[Poly], signs: Mapping[int, int], v: Poly) -> dict[str, Poly] | None:
         """None where one of them is a negative number, or V is never below the level."""
@@ -371,6 +372,9 @@ class Lyapunov:
     ) -> None:
         """The claim of a step on a part of a closed cell or a face, and those after it where its bound is zero."""
         (coordinates, n), own, cells = part, self.inclusion, [cell for cell, _ in fields]
+        if self.kept is not None and path:
+            self.kept.append((part, fields))
+            return
         need(len(path) < len(cells[0].functions), "a further function")
         full = f"{name} then {'.'.join(map(str, path))}" if path else name
         bound = [own.bound_term(cells, term) for term in zeros[full]] if full in zeros else []
@@ -443,7 +447,9 @@ def statements(subject: Any, entry: Any) -> list[Any]:
         return instability(subject, hypotheses, evidence)
     if theorem == "departure":
         return departure(subject, hypotheses, evidence)
-    need(theorem == "lyapunov", "theorem lyapunov, instability or departure")
+    if theorem == "approach":
+        return approach(subject, hypotheses, evidence)
+    need(theorem == "lyapunov", "theorem lyapunov, instability, departure or approach")
     cells, function, second, verdict, everywhere, level, below, rate = keys(hypotheses, LYAPUNOV, "gain")
     gain = hypotheses.get("gain")
     need(verdict in (ATTRACTS, STABLE), "a verdict")
@@ -522,6 +528,39 @@ def departure(subject: Any, hypotheses: Any, evidence: Any) -> list[Any]:
     need(all(sum(x * at_zero(p) for x, p in zip(n, f, strict=True)) > 0 for f in fields), "fields in a direction")
     need(not proofs.left, "proofs that are asked for")
     return [{"stability": "unstable"}, {"equilibrium": False}]
+
+
+def approach(subject: Any, hypotheses: Any, evidence: Any) -> list[Any]:
+    """Where V may be kept the span of all velocities holds no direction along the place."""
+    cells, function, zeros, level, proper = keys(hypotheses, "cells function zeros level proper")
+    need(type(function) is str and proper is None, "V as one formula, on a cube")
+    proofs = Proofs(evidence)
+    inclusion = Inclusion(subject, cells, [function], proofs)
+    need(inclusion.bounded and not inclusion.is_framed, "a cube of the states")
+    own, span = Lyapunov(inclusion, None, proofs), list[list[fmpq]]()
+    own.kept = []
+    own.show_zero()
+    own.show_positive()
+    own.show_further({"functions": [], "zeros": zeros})
+    for (coordinates, _), fields in own.kept:
+        need(all(degree(p) <= 1 for p in coordinates), "flat places")
+        for _, f in fields:
+            parts = [on(p, coordinates).to_dict() for p in f]
+            span += [[part.get(e, fmpq(0)) for part in parts] for e in {e for part in parts for e in part}]
+    for (coordinates, n), _ in own.kept:
+        directions = [[at_zero(p.derivative(i)) for p in coordinates] for i in range(n)]
+        need(rank(span + directions) == rank(span) + n, "no velocity along a place")
+    shown: list[Any] = [{"stability": STABLE}, {"approaches": "near"}]
+    if level is not None:
+        need(number(level) > 0, "a positive level")
+        own.show_border(number(level))
+        shown.append({"approaches": {"function": function, "within": cells["within"], "below": level}})
+    need(not proofs.left, "proofs that are asked for")
+    return shown
+
+
+def rank(rows: list[list[fmpq]]) -> int:
+    return int(fmpq_mat(rows).rank()) if rows else 0
 
 
 def sign_along(p: Poly, ray: Sequence[fmpq]) -> int:

@@ -159,6 +159,7 @@ WORST = {
 }
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(1)
 @pytest.mark.parametrize("name", WORST)
 def test_the_worst_switching_has_a_certificate(name: str) -> None:
@@ -185,6 +186,7 @@ def test_a_factor_of_one_field_makes_nothing_unstable() -> None:
     assert factor_of_one_field().check().verdict == "undecided"
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_fields_that_a_switch_cannot_make_unstable() -> None:
     """Neither field leaves, nor does any mixture: super-twisting is stable, and a gain of 3/2 holds half the push."""
     rhs = ["-3*sqrt(Abs(x))*sign(x)/2 + y", "-sign(x) + d"]

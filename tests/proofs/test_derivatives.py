@@ -319,6 +319,7 @@ def follow(system: SwitchedSystem, points: np.ndarray) -> np.ndarray:
     return points
 
 
+@pytest.mark.usefixtures("without_far_starts")
 @few(1)
 @pytest.mark.parametrize(
     "relay",

@@ -37,6 +37,7 @@ NOT_SHOWN: Mapping[str, str] = {
 }
 # Theorems and hypotheses that version 1 has no words for; each is refused with these words alone.
 NO_WORDS = {
+    "theorem approach",
     "theorem basin",
     "theorem circles",
     "theorem escape",
@@ -60,6 +61,7 @@ NO_WORDS = {
     "theorem reversible",
     "theorem integral",
     "a V with a denominator",
+    "functions of roots of states",
     "algebraic rates",
     "surfaces and pieces without a common point",
 }

@@ -227,6 +227,7 @@ def test_a_path_slides_on_a_zero_of_the_root_in_its_own_time() -> None:
     assert path.end.state[1] == pytest.approx(np.exp(-3), abs=1e-10)
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(1)
 @pytest.mark.parametrize("seed", range(20))
 def test_random_gains_agree_with_eigenvalues(seed: int) -> None:
@@ -273,6 +274,7 @@ def test_a_certificate_beside_a_quotient(rhs: list[str]) -> None:
     assert "(1 + x**2)" in certificate["statement"]["subject"]["rhs"][0][0]
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_instability_beside_multiples_of_a_state_under_a_root_is_certified() -> None:
     """The search for a function once took its subject for one without roots, the checker 3 x for that of x > 0."""
     result = decide_system(built([f"3/4*{ROOT} + 3*x + 3/2*y", "-3/2*sgn(x) + 11/4*y"]))
@@ -385,6 +387,7 @@ def test_the_region_is_stated_in_the_roots() -> None:
     assert max(np.sqrt(np.abs(x)).max(), np.abs(y).max()) < 0.05
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_arbitrary_switching_growth_and_velocities_at_the_point() -> None:
     disturbed = built([f"-3*{ROOT} + y", "-11/10*sgn(x) + d"], {"d": ["-1/2", "1/2"]})
     assert certificate_of(decide_system(disturbed))["statement"]["claims"][0] == {"stability": STABLE}
@@ -501,6 +504,7 @@ def test_a_point_beside_roots_is_rational() -> None:
     assert "roots are rational" in refused(record)
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_functions_of_numbers_beside_roots_are_written_as_numbers() -> None:
     record = certified([f"-sqrt(4)*{ROOT} + y", "-2*sin(pi/6)*sgn(x)"])
     assert record["statement"]["subject"]["rhs"] == [[f"-2*{ROOT} + y", "-1*sgn(x)"]]

@@ -95,6 +95,7 @@ def test_verdicts_in_three_states_are_certified(name: str) -> None:
     assert claims(record, "stability") == [str(decided(name).verdict)]
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize("seed", range(12))
 def test_random_relays_that_a_v_decides_are_certified(seed: int, load: Any) -> None:
     result = decide_system(load(*random_relay(seed).rhs))
@@ -164,6 +165,7 @@ def test_that_a_stable_point_does_not_attract_is_left_out_and_named(force: str, 
     assert line.startswith(f"the equilibrium does not attract: {why}")
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_irrational_numbers_stand_for_themselves_in_the_plane() -> None:
     record = certificate_of(decide_system(load_system("eq-4")))
     assert claims(record, "stability") == ["asymptotically stable"]
@@ -189,6 +191,7 @@ def test_functions_of_numbers_that_are_rational_are_that_number(written: list[st
     assert one == other
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize(
     "rhs", keep(2, [["-1e300*x + y", "-1e-300*y"], ["-x - 1e400*y", "-y"], ["-x + 1e200*y", "-y"]])
 )
@@ -199,11 +202,13 @@ def test_numbers_beyond_floats_may_have_no_certificate(rhs: list[str]) -> None:
         certificate_of(result)
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_lines_that_floats_do_not_tell_apart_are_told_apart() -> None:
     result = decide_system(built(["x*sign(1.00000000000000000001*x + y) - x*sign(x + y) - x", "-y"]))
     assert {"stability": "asymptotically stable"} in certificate_of(result)["statement"]["claims"]
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_irrational_numbers_lie_between_rational_ones_in_space() -> None:
     record = certified(ns.System(["x", "y", "z"], ["-sqrt(2)*x + y", "-y - sqrt(3)*z", "sqrt(3)*y - z"]))
     assert claims(record, "stability") == ["asymptotically stable"]

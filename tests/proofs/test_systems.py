@@ -410,6 +410,7 @@ def test_asymptotically_stable_systems_contract(name: str, starts: int) -> None:
         assert simulated_distance(scene, start, 30 if name == "flower" else 3, 6000) < 0.2
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(1)
 @pytest.mark.parametrize(("seed"), range(25))
 def test_lyapunov_functions_never_contradict_the_complete_fan(load: Load, seed: int) -> None:

@@ -181,6 +181,7 @@ def test_floats_see_what_is_false(monkeypatch: pytest.MonkeyPatch) -> None:
     grows = {"states": ["x", "y"], "rhs": [["x", "-sign(y)"]], "at": ["0", "0"]}
     falls = {"states": ["x", "y"], "rhs": [["-x", "-y"]], "at": ["0", "0"]}
     beside = {"states": ["x", "y"], "rhs": [["1/2 - x", "-y"]], "at": ["0", "0"]}
+    turns = {"states": ["x", "y"], "rhs": [["y", "-x"]], "at": ["0", "0"]}
     about = {"function": "x**2 + y**2", "within": "1"}
     false = [
         (grows, {"stability": "stable"}),
@@ -190,6 +191,8 @@ def test_floats_see_what_is_false(monkeypatch: pytest.MonkeyPatch) -> None:
         (falls, {"equilibrium": False}),
         (falls, {"arrives": "in finite time"}),
         (beside, {"attracts": {**about, "below": "1/16"}}),
+        (turns, {"approaches": "near"}),
+        (turns, {"approaches": {**about, "below": "1/2"}}),
     ]
     for subject, claim in false:
         assert contradiction({"subject": subject, "claims": [claim]}), claim

@@ -216,6 +216,7 @@ def decided_chain() -> StabilityResult:
     return decide_system(built(CHAIN, lyapunov="Abs(x) + Abs(y) + Abs(z)"))
 
 
+@pytest.mark.usefixtures("without_far_starts")
 def test_forged_results_are_refused() -> None:
     result = decided_chain()
     assert result.check()
@@ -306,6 +307,7 @@ def test_cells_are_those_that_points_are_in(seed: int) -> None:
             assert not is_empty(guards, system.check.radius)
 
 
+@pytest.mark.usefixtures("without_far_starts")
 def test_a_chain_of_relays_arrives_in_time() -> None:
     """``V = |x| + |y| + |z|``: the proved bound on the time of arrival is kept by a solution that slides twice."""
     rate = decided_chain().reach.rate
@@ -469,6 +471,7 @@ def test_a_family_that_holds_another_has_the_larger_program(rhs: list[str]) -> N
         assert size <= other or not set(small) <= set(large)
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize(("count", "most"), keep(1, [(4, 1000), (6, second_function.MOST_MIXTURES)]))
 def test_relays_are_decided_though_their_mixtures_are_not_looked_at(
     monkeypatch: pytest.MonkeyPatch, count: int, most: int
