@@ -11,6 +11,7 @@ from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.document import Block
 from nonsmooth.reports.output.entries import entry
 from nonsmooth.reports.output.files import PICTURES, write_whole
+from nonsmooth.reports.output.progress import notice
 from nonsmooth.reports.output.refusals import OptionError, RefusedError, option_named
 from nonsmooth.reports.output.study_options import Options, option
 from nonsmooth.reports.studies.result import DataTable, Result, short_lines
@@ -20,6 +21,7 @@ from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import SweepError, SweepPlan, read_plan
 from nonsmooth.reports.sweeps.table import counted, flat_rows, sweep_blocks, sweep_record
 from nonsmooth.reports.sweeps.workers import processors
+from nonsmooth.symbolic.files.scene_document import OF_INERTIA
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -176,6 +178,7 @@ class SweepStudy(SceneStudy[SweepOptions]):
 
 
 SWEEP = SweepStudy()
+INERTIA = tuple(f"body.{name}" for name in OF_INERTIA)  # keys of which no answer in a row depends
 
 
 def _plan(base: Base, vary: Mapping[str, str], draws: int | None, seed: int) -> tuple[Base, SweepPlan]:
@@ -194,6 +197,10 @@ def swept(base: Base, vary: Mapping[str, Any], means: Means, *, draws: int | Non
     from nonsmooth.reports.output.progress import progress
 
     whole, plan = _plan(base, {name: _text(values) for name, values in vary.items()}, draws, seed)
+    of_inertia = [name for name in plan.names if name in INERTIA]
+    if of_inertia:
+        said = "rows tell of bodies without inertia; check says of one scene what it does"
+        notice(whole.file, f"{' and '.join(of_inertia)}: {said}")
     with progress("sweep") as report, broken_pipes_raised():
         return SweepResult(run_sweep(whole, plan, means, report))
 

@@ -40,7 +40,7 @@ from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus, 
 MAX_VERTICES = 200  # every pair of sides is tested for crossing, exactly
 STANDARD_GRAVITY = Fraction("9.80665")  # m/s^2
 MOST_INERTIA = 1e30  # a quotient and a product of such numbers are floats that dynamics can take
-_OF_INERTIA = ("mass", "inertia", "gravity", "centre_height")
+OF_INERTIA = ("mass", "inertia", "gravity", "centre_height")
 _KEYS = {"disc": ("radius",), "rectangle": ("width", "height"), "polygon": ("vertices",)}
 
 
@@ -79,7 +79,7 @@ class BodyTable(TomlTable):
     @property
     def states_inertia(self) -> bool:
         """Whether anything is said of how heavy the body is."""
-        return any(getattr(self, key) is not None for key in _OF_INERTIA)
+        return any(getattr(self, key) is not None for key in OF_INERTIA)
 
 
 def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Numbers) -> BodyInertia | None:
@@ -94,7 +94,7 @@ def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Num
         SceneError: for a number that is not positive, one without a unit of length, and an inertia without a mass.
     """
     stated = BodyTable() if table is None else table
-    named = {key: getattr(stated, key) for key in _OF_INERTIA}
+    named = {key: getattr(stated, key) for key in OF_INERTIA}
     found = {key: _of_size(value, f"body.{key}", numbers) for key, value in named.items() if value is not None}
     if metres is None:
         if found:
@@ -130,7 +130,7 @@ def build_body(table: BodyTable, numbers: Numbers) -> Body | None:
             that is not strictly inside the outline.
     """
     if table.shape is None:
-        of_outline = table.model_fields_set.difference(_OF_INERTIA)
+        of_outline = table.model_fields_set.difference(OF_INERTIA)
         if of_outline or not table.states_inertia:
             received = StatedFact(f"none, beside {', '.join(sorted(of_outline))}" if of_outline else "none")
             raise SceneError(numbers.file, "body.shape", "'disc', 'rectangle' or 'polygon'", received)
