@@ -31,7 +31,7 @@ from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.facts import fact_record, fact_rows, with_exact
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result, short_lines
-from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.number_field import angle_notes
 
 if TYPE_CHECKING:
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.system_audit import AuditResult
     from nonsmooth.proofs.systems.findings import ExaminedFunction
     from nonsmooth.reports.exchange.formulas import FieldFormulas
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
 # ---- files for other programs --------------------------------------------------------------------
@@ -312,12 +313,25 @@ class SystemCheckResult(FactResult):
         answers = answers_table(system_answers(self.evidence))
         if self.hint:
             more.append(Text(self.hint, "dim"))
+        if self.evidence.verdict in (Translation.STABLE, Translation.UNDECIDED):
+            more += [Text(line, "dim") for line in _smaller(scene)]
         if self.evidence.method is Method.EQUILIBRIUM:
             more.append(Text(f"nonsmooth equilibria {shlex.quote(scene.origin)} finds what rests about it", "dim"))
         return [Group(head, answers, *details, *notes_lines(scene.field), *more)]
 
     def __repr__(self) -> str:
         return short_lines(f"{self.evidence.scene.name}: {self.verdict}", fact_rows(self.found))
+
+
+def _smaller(scene: SwitchedSystem) -> list[str]:
+    """The command that writes a smaller system, whose equilibria may be isolated; empty where there is none."""
+    from nonsmooth.symbolic.systems.reduction import reduce_system
+
+    try:
+        meaning = "; ".join(reduce_system(scene).meaning)
+    except SceneError:
+        return []
+    return [f"nonsmooth reduce {shlex.quote(scene.origin)} writes a smaller system: {meaning}"]
 
 
 @dataclass(frozen=True, repr=False)

@@ -53,6 +53,10 @@ COMMANDS = {  # in the order of the help
         "checks.equilibria.EQUILIBRIA",
         "Exit status: 0 done, 2 bad input, 3 where some are not known.",
     ),
+    "reduce": Entry(
+        "Write a plain system as a smaller one, where it is the same along a line or conserves a sum of its states.",
+        "reduce line-of-equilibria",
+    ),
     "sweep": Entry(
         "Check many scenes that differ in a few numbers: a table, strips or a map of answers, and where they change.",
         "sweep four-wheel --vary mu_side=0.05:2:40 -o sweep.svg",

@@ -390,6 +390,19 @@ class System(PythonScene):
 
         return self._studied(EQUILIBRIA)
 
+    def reduced(self) -> Self:
+        """The smaller system without shifts that change no velocity, and without sums that are conserved.
+
+        Its ``description`` in the document says what its states are. A V that the scene names is left out.
+
+        Raises:
+            SceneError: where there are neither.
+        """
+        from nonsmooth.symbolic.systems.reduction import reduce_system
+
+        system = self.system
+        return self.of_document(reduce_system(system).document(f"{system.name}-reduced", system.check.radius))
+
     def portrait(self) -> PhasePortrait:
         """The phase portrait of two states: cells with their fields, what solutions do on borders, level sets of V.
 
