@@ -166,10 +166,8 @@ class Escape:
             slope = sum(function.slope(k) * d for k, d in enumerate(self.direction))
             require(not slope, "a direction along the subspace")
         require(not self._on(self.rise).at_origin, "a function that is zero at the point")
-        for function in (self.rise, *(p for p, _ in self.barriers)):
-            require(
-                function.lowest_at(self.direction) > 0, "barriers and a function that are positive in the direction"
-            )
+        for value in (self.rise, *(p for p, _ in self.barriers)):
+            require(value.lowest_at(self.direction) > 0, "barriers and a function that are positive in the direction")
 
 
 def show_escape(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
