@@ -103,10 +103,10 @@ def show_entry(subject: System | Array, entry: Any) -> list[Statement]:
         RejectedError: for a hypothesis that is not shown, and for proofs of what is not asked.
     """
     theorem, hypotheses, data = take(entry, "theorem hypotheses proofs")
-    known = OF_ARRAYS if isinstance(subject, Array) else THEOREMS
-    require(type(theorem) is str and theorem in known, f"a theorem of {', '.join(known)}")
+    theorems = OF_ARRAYS if isinstance(subject, Array) else THEOREMS
+    require(type(theorem) is str and theorem in theorems, f"a theorem of {', '.join(theorems)}")
     proofs = Proofs(data)
-    conclusions = known[theorem](subject, hypotheses, proofs)
+    conclusions = theorems[theorem](subject, hypotheses, proofs)
     proofs.require_used()
     return conclusions
 
