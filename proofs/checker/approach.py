@@ -44,13 +44,13 @@ class Approach(Chain):
 
     def leave(self, name: str, place: Face, cells: Sequence[Cell]) -> None:
         """Note a place at which V may be kept, with the velocities there."""
-        require(all(own.degree <= 1 for own in place.coordinates), "flat places where V is kept")
+        require(all(coordinate.degree <= 1 for coordinate in place.coordinates), "flat places where V is kept")
         self.places.append(place)
         for cell in cells:
             for _, field in cell.fields:
-                parts = [place.restricted(own).terms for own in field]
-                powers = {exponents: None for own in parts for exponents in own}
-                self.velocities |= {tuple(own.get(e, 0) for own in parts): None for e in powers}
+                parts = [place.restricted(component).terms for component in field]
+                powers = {exponents: None for terms in parts for exponents in terms}
+                self.velocities |= {tuple(terms.get(e, 0) for terms in parts): None for e in powers}
 
     def show_approach(self) -> None:
         """V does not rise, and nothing moves along the places where it may be kept."""
@@ -71,7 +71,7 @@ class Approach(Chain):
                 total += variable(count, size + j, -velocity[k])
             sums.append(total)
         solved = solve(sums, count)
-        return solved is None or any(own.degree > 0 for own in solved[:size])
+        return solved is None or any(form.degree > 0 for form in solved[:size])
 
 
 def show_approach(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
@@ -82,17 +82,17 @@ def show_approach(system: System, hypotheses: Any, proofs: Proofs) -> list[State
     """
     cells, function, zeros, level, proper = take(hypotheses, "cells function zeros level proper")
     require(system.coordinates == system.states, "a system that is not seen by roots of its states")
-    own = Approach(Inclusion(system, cells, [function], proofs), proofs, zeros)
-    own.show_zero()
-    own.show_positive()
-    own.show_approach()
-    shown: list[Statement] = [{"stability": STABLE}, {"approaches": "near"}]
+    approach = Approach(Inclusion(system, cells, [function], proofs), proofs, zeros)
+    approach.show_zero()
+    approach.show_positive()
+    approach.show_approach()
+    conclusions: list[Statement] = [{"stability": STABLE}, {"approaches": "near"}]
     if proper is not None:
-        own.show_proper(rational(proper))
-        shown.append({"approaches": "everywhere"})
+        approach.show_proper(rational(proper))
+        conclusions.append({"approaches": "everywhere"})
     if level is not None:
-        require(own.bounded and rational(level) > 0, "a positive level on a cube")
-        own.show_border(rational(level))
+        require(approach.bounded and rational(level) > 0, "a positive level on a cube")
+        approach.show_border(rational(level))
         about = {"function": function, "within": cells["within"], "below": level}
-        shown.append({"approaches": about})
-    return shown
+        conclusions.append({"approaches": about})
+    return conclusions

@@ -62,7 +62,7 @@ class ArrayPlane:
         self._fields: dict[int, tuple[Field, ...]] = {}
         points = [self._enclosed(*point) for point in cells.points]
         self._outlines: list[Outline] = [[points[k] for k in cell.polygon] for cell in cells.listed]
-        self._boxes = [bounds(own) for own in self._outlines]
+        self._boxes = [bounds(outline) for outline in self._outlines]
         scaled = cells.array.radius * cells.rational(1 / self.unit)
         self.half = -(-scaled.enclosure(BITS)[1] >> BITS)  # of the square, in units, rounded up
         self._slack = 16 * (self.half + 2 << FINE) + 16  # errors of :func:`turn` where places are off by one
@@ -71,19 +71,19 @@ class ArrayPlane:
         """A corner of cells in fine units: each coordinate is off by one at most."""
         low, high = w.enclosure(BITS)
         require(low > 0, "corners that are enclosed")
-        found = []
-        for own in (x, y):
-            least, most = (own * self.cells.rational(Fraction(2**FINE) / self.unit)).enclosure(BITS)
+        coordinates = []
+        for coordinate in (x, y):
+            least, most = (coordinate * self.cells.rational(Fraction(2**FINE) / self.unit)).enclosure(BITS)
             bottom, top = least // (high if least > 0 else low), -(-most // (low if most > 0 else high))
             require(top - bottom <= 2, "corners that are enclosed")
-            found.append((bottom + top) // 2)
-        return found[0], found[1]
+            coordinates.append((bottom + top) // 2)
+        return coordinates[0], coordinates[1]
 
     def fields(self, number: int, corners: Sequence[Place] = ()) -> tuple[Field, ...]:
         """Velocities of which, on the square, those of a cell are mixtures: four for each motion."""
         if number not in self._fields:
             motions = self.cells.listed[number].motions
-            self._fields[number] = tuple(own for motion in motions for own in self._of_motion(motion))
+            self._fields[number] = tuple(field for motion in motions for field in self._of_motion(motion))
         return self._fields[number]
 
     def _of_motion(self, motion: Motion) -> list[Field]:
@@ -91,12 +91,12 @@ class ArrayPlane:
 
         A rotation that is off by e adds at most ``e |Y|`` and ``e |X|`` to the parts of the velocity.
         """
-        enclosed = [own.enclosure(BITS) for own in motion.twist[:3]]
+        enclosed = [component.enclosure(BITS) for component in motion.twist[:3]]
         (a, b), (c, d), (low, high) = enclosed
         p, q = self.unit.numerator, self.unit.denominator
         push = (high - low) * p * self.half
         turn = low * p
-        longest = max(abs(own) for own in (a * q, b * q, c * q, d * q, turn)) + push
+        longest = max(abs(bound) for bound in (a * q, b * q, c * q, d * q, turn)) + push
         return [
             Field(({(0, 0): vx, (0, 1): -turn}, {(0, 0): vy, (1, 0): turn}), 1, longest.bit_length())
             for vx in (a * q - push, b * q + push)
@@ -113,19 +113,19 @@ class ArrayPlane:
 
     def _not_parted(self, corners: Sequence[Place], is_beyond: Callable[[int], bool]) -> frozenset[int]:
         """The cells that no line of a side, of theirs or of the polygon, is shown to part from the polygon."""
-        own = [(x << FINE, y << FINE) for x, y in corners]
-        left, low, right, high = bounds(own)
-        found = []
+        polygon = [(x << FINE, y << FINE) for x, y in corners]
+        left, low, right, high = bounds(polygon)
+        numbers = []
         BUDGET.spend(1 + len(self._boxes) // 4)
         for number, (cell_left, cell_low, cell_right, cell_high) in enumerate(self._boxes):
             gaps = (cell_left - 1 - right, left - cell_right - 1, cell_low - 1 - high, low - cell_high - 1)
             if any(is_beyond(-gap) for gap in gaps):
                 continue
             outline = self._outlines[number]
-            BUDGET.spend(2 * len(outline) * len(own))
-            if not self._parts(outline, own, is_beyond) and not self._parts(own, outline, is_beyond):
-                found.append(number)
-        return frozenset(found)
+            BUDGET.spend(2 * len(outline) * len(polygon))
+            if not self._parts(outline, polygon, is_beyond) and not self._parts(polygon, outline, is_beyond):
+                numbers.append(number)
+        return frozenset(numbers)
 
     def _parts(self, outline: Sequence[Place], other: Sequence[Place], is_beyond: Callable[[int], bool]) -> bool:
         """Whether all corners of another polygon lie beyond one side; of two places each order is a side."""
@@ -200,15 +200,15 @@ def show_array_basin(array: Array, hypotheses: Any, proofs: Proofs) -> list[Stat
     mesh = Mesh(mesh_data)
     require(type(below) is int, "a level that is a whole number")
     plane = ArrayPlane(Cells(wide, points, cells_data), mesh.unit)
-    reach = max(abs(own) for place in mesh.places for own in place)
+    reach = max(abs(coordinate) for place in mesh.places for coordinate in place)
     room = wide.radius - array.field.rational(reach * plane.unit)
     require(room.sign() > 0, "a mesh inside the square")
     show_falls(mesh, plane)
     core = Core(mesh, below)
     core.show_kept(plane)
     core.show_within(plane, rational(disc))
-    shown: list[Statement] = [{"ends": {"mesh": mesh_data, "below": below, "squared_radius": disc}}]
-    return [{"attracts": {"mesh": mesh_data, "below": below}}] if core.attracts(plane) else shown
+    conclusions: list[Statement] = [{"ends": {"mesh": mesh_data, "below": below, "squared_radius": disc}}]
+    return [{"attracts": {"mesh": mesh_data, "below": below}}] if core.attracts(plane) else conclusions
 
 
 def show_stands(array: Array) -> None:

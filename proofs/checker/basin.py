@@ -98,20 +98,20 @@ class Field:
     @classmethod
     def of(cls, polynomials: Sequence[Polynomial]) -> Field:
         """Polynomials with rational coefficients, times their common denominator."""
-        BUDGET.spend(sum(len(own.terms) * (1 + own.bits**2 // 4096) for own in polynomials))
-        bottom = lcm(*(value.denominator for own in polynomials for value in own.terms.values()))
-        parts = tuple({e: int(value * bottom) for e, value in own.terms.items()} for own in polynomials)
+        BUDGET.spend(sum(len(polynomial.terms) * (1 + polynomial.bits**2 // 4096) for polynomial in polynomials))
+        bottom = lcm(*(value.denominator for polynomial in polynomials for value in polynomial.terms.values()))
+        parts = tuple({e: int(value * bottom) for e, value in polynomial.terms.items()} for polynomial in polynomials)
         bits = max((abs(value).bit_length() for part in parts for value in part.values()), default=0)
-        return cls(parts, max(own.degree for own in polynomials), bits)
+        return cls(parts, max(polynomial.degree for polynomial in polynomials), bits)
 
     def plus(self, other: Field, factor: Form) -> Field:
         """The sum with the product of another one and an affine function, in the same units."""
         total = [dict(part) for part in self.parts]
-        for own, part in zip(total, other.parts, strict=True):
+        for terms, part in zip(total, other.parts, strict=True):
             for exponents, value in part.items():
                 for others, weight in factor.items():
                     key = tuple(map(add, exponents, others))
-                    own[key] = own.get(key, 0) + value * weight
+                    terms[key] = terms.get(key, 0) + value * weight
         bits = max(self.bits, other.bits + max(abs(value).bit_length() for value in factor.values())) + 2
         BUDGET.spend(sum(map(len, total)) * (1 + bits**2 // 4096))
         return Field(tuple(total), max(self.degree, other.degree + 1), bits)
@@ -126,23 +126,23 @@ class Field:
         for factor, part in zip(vector, self.parts, strict=True):
             for exponents, value in part.items():
                 total[exponents] = total.get(exponents, 0) + factor * value
-        bits = self.bits + max(abs(own).bit_length() for own in vector)
-        return Field((total,), self.degree, bits, tuple(own.along(vector) for own in self.spreads))
+        bits = self.bits + max(abs(entry).bit_length() for entry in vector)
+        return Field((total,), self.degree, bits, tuple(spread.along(vector) for spread in self.spreads))
 
     def ends(self) -> list[Field]:
         """Fields without spreads that have all that this one may be in their hull."""
-        found = [replace(self, spreads=())]
-        for own in self.spreads:
-            moved = [tuple(scaled(part, sign) for part in own.parts) for sign in (-1, 1)]
-            both = [tuple(map(added, zip(field.parts, more, strict=True))) for field in found for more in moved]
-            found = [replace(self, parts=parts, bits=self.bits + 1, spreads=()) for parts in both]
-        return found
+        fields = [replace(self, spreads=())]
+        for spread in self.spreads:
+            moved = [tuple(scaled(part, sign) for part in spread.parts) for sign in (-1, 1)]
+            both = [tuple(map(added, zip(field.parts, more, strict=True))) for field in fields for more in moved]
+            fields = [replace(self, parts=parts, bits=self.bits + 1, spreads=()) for parts in both]
+        return fields
 
     def highest(self, corners: Sequence[Place], end: Place | None = None) -> list[int]:
         """The largest values that the coefficients may have (:meth:`on`)."""
         values = self.on(corners, end)
-        for own in self.spreads:
-            values = [value + abs(more) for value, more in zip(values, own.on(corners, end), strict=True)]
+        for spread in self.spreads:
+            values = [value + abs(more) for value, more in zip(values, spread.on(corners, end), strict=True)]
         return values
 
     def on(self, corners: Sequence[Place], end: Place | None = None) -> list[int]:
@@ -154,14 +154,14 @@ class Field:
         positive numbers, from the lowest on.
         """
         (form,) = self.parts
-        ends = [(own, 1) for own in corners] + ([] if end is None else [(end, 0)])
-        length = self.bits + self.degree * max(abs(own).bit_length() for place, _ in ends for own in place)
+        ends = [(corner, 1) for corner in corners] + ([] if end is None else [(end, 0)])
+        length = self.bits + self.degree * max(abs(x).bit_length() for place, _ in ends for x in place)
         BUDGET.spend((1 + len(form)) * comb(self.degree + len(ends), len(ends)) * (1 + length**2 // 4096))
         count = len(corners[0])
-        weighted = [form.get(own, 0) * weight for own, weight in listed_powers(self.degree, count).items()]
+        weighted = [form.get(power, 0) * weight for power, weight in listed_powers(self.degree, count).items()]
         forms = [(0, weighted)]
-        for left in range(self.degree, 0, -1):
-            forms = [(k, toward(own, left, *ends[k])) for j, own in forms for k in range(j, len(ends))]
+        for degree in range(self.degree, 0, -1):
+            forms = [(k, toward(polar, degree, *ends[k])) for j, polar in forms for k in range(j, len(ends))]
         return [value for _, (value,) in forms]
 
 
@@ -171,19 +171,19 @@ def listed_powers(degree: int, count: int) -> dict[Exponents, int]:
 
     These include that of the variable which is 1.  A coefficient times this product is the derivative by all of them.
     """
-    powers = (own for own in product(range(degree + 1), repeat=count) if sum(own) <= degree)
-    return {own: prod(map(factorial, own)) * factorial(degree - sum(own)) for own in powers}
+    powers = (power for power in product(range(degree + 1), repeat=count) if sum(power) <= degree)
+    return {power: prod(map(factorial, power)) * factorial(degree - sum(power)) for power in powers}
 
 
 @cache
 def raised_powers(degree: int, count: int) -> list[tuple[int, ...]]:
     """For each power below a degree where those higher by one variable stand in the list, last that higher by 1."""
-    at = {own: number for number, own in enumerate(listed_powers(degree, count))}
+    at = {power: number for number, power in enumerate(listed_powers(degree, count))}
     raised = [
-        [(*own[:k], own[k] + 1, *own[k + 1 :]) for k in range(count)] + [own]
-        for own in listed_powers(degree - 1, count)
+        [(*power[:k], power[k] + 1, *power[k + 1 :]) for k in range(count)] + [power]
+        for power in listed_powers(degree - 1, count)
     ]
-    return [tuple(at[power] for power in own) for own in raised]
+    return [tuple(at[power] for power in powers) for powers in raised]
 
 
 def toward(form: Sequence[int], degree: int, place: Place, weight: int = 1) -> list[int]:
@@ -193,7 +193,7 @@ def toward(form: Sequence[int], degree: int, place: Place, weight: int = 1) -> l
     """
     listed = raised_powers(degree, len(place))
     if not weight:
-        return [sum(step * form[i] for step, i in zip(place, own, strict=False)) for own in listed]
+        return [sum(step * form[i] for step, i in zip(place, indices, strict=False)) for indices in listed]
     if len(place) == 2:
         x, y = place
         return [x * form[i] + y * form[j] + form[k] for i, j, k in listed]
@@ -214,10 +214,10 @@ class Side:
     @cached_property
     def fields(self) -> tuple[Field, ...]:
         """The same with whole coefficients, all times one positive number."""
-        whole = Field.of([own for part in self.parts for own in part])
-        degrees = [max(own.degree for own in part) for part in self.parts]
+        whole = Field.of([polynomial for part in self.parts for polynomial in part])
+        degrees = [max(polynomial.degree for polynomial in part) for part in self.parts]
         n = len(self.parts[0])
-        return tuple(Field(whole.parts[n * k : n * k + n], own, whole.bits) for k, own in enumerate(degrees))
+        return tuple(Field(whole.parts[n * k : n * k + n], degree, whole.bits) for k, degree in enumerate(degrees))
 
 
 class CellFields(Protocol):
@@ -246,7 +246,7 @@ class Plane:
         require(unit is not None, "a unit of lengths")  # without one Domain would be the whole space
         self.domain = Domain(system, unit)
         self.surfaces = Surfaces(self.domain, surfaces, [], proofs)
-        self._guards = [Field.of([own]) for own in self.surfaces.listed]
+        self._guards = [Field.of([surface]) for surface in self.surfaces.listed]
         self.has_borders = bool(self.surfaces.listed)
         self.waves: list[list[tuple[str, Polynomial]]] = []  # of each side, with what they are of
         self._whole_arguments: list[list[list[int]]] = []
@@ -259,37 +259,37 @@ class Plane:
     def _read_waves(self, system: System) -> None:
         """The waves of all sides, in the order in which they are at their ends in a side's formulas."""
         for counts, side in zip(system.waves, system.rhs, strict=True):
-            found: list[tuple[str, Polynomial]] = []
+            waves: list[tuple[str, Polynomial]] = []
             for count, text in zip(counts, side, strict=True):
-                found += Formula(text, self.domain.place, [0] * count).arguments()
-            affine = all(name in KINDS and v.degree <= 1 for name, v in found)
+                waves += Formula(text, self.domain.place, [0] * count).arguments()
+            affine = all(name in KINDS and v.degree <= 1 for name, v in waves)
             require(affine, "sines, cosines, tanh and atan of affine functions")
-            self.waves.append(found)
-            self._whole_arguments.append([whole_argument(v) for _, v in found])
+            self.waves.append(waves)
+            self._whole_arguments.append([whole_argument(v) for _, v in waves])
 
     def _sides(self, signs: Pattern) -> list[Side]:
         """The right-hand sides on a cell.
 
         A formula with all waves at numbers 0 or 1 has ``f_0 + sum_j w_j f_j`` for values where no two are multiplied.
         """
-        sign_on, start, found = partial(self.surfaces.sign_on, signs), 0, []
+        sign_on, start, sides = partial(self.surfaces.sign_on, signs), 0, []
         for count in self._counts:
-            own = [tuple(part.on(sign_on) for part in field) for field in self._formulas[start : start + 2**count]]
+            fields = [tuple(part.on(sign_on) for part in field) for field in self._formulas[start : start + 2**count]]
             start += 2**count
-            parts = [own[0]] + [difference(own[1 << (count - 1 - j)], own[0]) for j in range(count)]
-            for ends, value in zip(product((0, 1), repeat=count), own, strict=True):
+            parts = [fields[0]] + [difference(fields[1 << (count - 1 - j)], fields[0]) for j in range(count)]
+            for ends, value in zip(product((0, 1), repeat=count), fields, strict=True):
                 rest = value
                 for end, part in zip(ends, parts[1:], strict=True):
                     rest = difference(rest, part) if end else rest
-                require(rest == own[0], "sines and cosines that are not multiplied by each other")
-            found.append(Side(tuple(parts)))
-        return found
+                require(rest == fields[0], "sines and cosines that are not multiplied by each other")
+            sides.append(Side(tuple(parts)))
+        return sides
 
     def _value(self, side: int, wave: int, place: Place) -> tuple[int, int]:
         """What a wave is of at a place, times the common denominator of its coefficients, and its value there."""
         bottom, start, *slopes = self._whole_arguments[side][wave]
-        own = start + sum(map(mul, slopes, place))
-        return own, wave_value(self.waves[side][wave][0], Fraction(own, bottom))
+        numerator = start + sum(map(mul, slopes, place))
+        return numerator, wave_value(self.waves[side][wave][0], Fraction(numerator, bottom))
 
     def fields(self, signs: Pattern, corners: Sequence[Place]) -> Iterator[Field]:
         """Fields that have those of a cell in their hull on a simplex, or at a corner, times positive numbers."""
@@ -302,35 +302,35 @@ class Plane:
             whole, spreads = whole.times(size << BITS), []
             for j, part in enumerate(moved):
                 at = [self.value(k, j, place) for place in corners]
-                mean = added([scaled(own, value) for own, (_, value) in zip(weights, at, strict=True)])
+                mean = added([scaled(weight, value) for weight, (_, value) in zip(weights, at, strict=True)])
                 whole = whole.plus(part, mean)
-                v, bottom = [own for own, _ in at], self._whole_arguments[k][j][0]
+                v, bottom = [numerator for numerator, _ in at], self._whole_arguments[k][j][0]
                 spreads.append(part.times(interpolation_error(max(v) - min(v), bottom) * size))
-            yield replace(whole, spreads=tuple(replace(own, degree=whole.degree) for own in spreads))
+            yield replace(whole, spreads=tuple(replace(spread, degree=whole.degree) for spread in spreads))
 
     def crossing(self, corners: Sequence[Place]) -> frozenset[Pattern]:
         """The cells that may meet the inside of a simplex: a surface has their sign at some point of it."""
-        return self._patterns(any(s * c > 0 for c in own) for own, s in self._on(corners))
+        return self._patterns(any(s * c > 0 for c in values) for values, s in self._on(corners))
 
     def touching(self, corners: Sequence[Place], end: Place | None = None) -> frozenset[Pattern]:
         """The cells whose closures may meet the inside of a side or of a half-line, or hold a corner.
 
         A polynomial whose Bernstein coefficients are not all zero, and none positive, is negative inside the side.
         """
-        return self._patterns(any(s * c > 0 for c in own) or not any(own) for own, s in self._on(corners, end))
+        return self._patterns(any(s * c > 0 for c in values) or not any(values) for values, s in self._on(corners, end))
 
     def _on(self, corners: Sequence[Place], end: Place | None = None) -> Iterator[tuple[list[int], int]]:
-        for k, own in enumerate(self._guards):
-            is_affine = own.degree == 1 and end is None
-            values = [self._guard_at(k, place) for place in corners] if is_affine else own.on(corners, end)
+        for k, guard in enumerate(self._guards):
+            is_affine = guard.degree == 1 and end is None
+            values = [self._guard_at(k, place) for place in corners] if is_affine else guard.on(corners, end)
             yield from ((values, -1), (values, 1))
 
     def _patterns(self, allowed: Iterable[bool]) -> frozenset[Pattern]:
         both = list(allowed)
         signs = [[s for s, holds in ((-1, both[k]), (1, both[k + 1])) if holds] for k in range(0, len(both), 2)]
         size = 1
-        for own in signs:
-            size *= len(own)
+        for surface_signs in signs:
+            size *= len(surface_signs)
             require(size <= 64, "simplices that meet at most 64 cells")
         BUDGET.spend(size * (1 + len(signs)))
         return frozenset(product(*signs))
@@ -339,8 +339,8 @@ class Plane:
 def whole_argument(v: Polynomial) -> list[int]:
     """The common denominator of the coefficients of an affine function, then its value at the point and its slopes."""
     numbers = [v.at_origin, *map(v.slope, range(v.count))]
-    bottom = lcm(*(own.denominator for own in numbers))
-    return [bottom, *(int(own * bottom) for own in numbers)]
+    bottom = lcm(*(number.denominator for number in numbers))
+    return [bottom, *(int(number * bottom) for number in numbers)]
 
 
 def difference(first: Sequence[Polynomial], second: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
@@ -361,14 +361,14 @@ def barycentric(corners: Sequence[Place]) -> tuple[int, list[Form]]:
         x, y = bx - ax, by - ay
         to_first: Form = {(0, 0): bx * x + by * y, (1, 0): -x, (0, 1): -y}
         return x * x + y * y, [to_first, {(0, 0): -ax * x - ay * y, (1, 0): x, (0, 1): y}]
-    found: list[Form] = []
+    weights: list[Form] = []
     for side in sides_of(corners):
         outward, place = normal(side), side[0]
         form = {(0,) * len(place): sum(map(mul, outward, place))}
-        for k, own in enumerate(outward):
-            form[(*(0,) * k, 1, *(0,) * (len(place) - k - 1))] = -own
-        found.append(form)
-    return sum(next(iter(own.values())) for own in found), found
+        for k, component in enumerate(outward):
+            form[(*(0,) * k, 1, *(0,) * (len(place) - k - 1))] = -component
+        weights.append(form)
+    return sum(next(iter(weight.values())) for weight in weights), weights
 
 
 def sides_of(corners: Sequence[Corner]) -> list[tuple[Corner, ...]]:
@@ -390,7 +390,7 @@ def normal(side: Sequence[Place]) -> Place:
     if len(side) == 2:
         x, y = difference_of(*side)
         return y, -x
-    (ax, ay, az), (bx, by, bz) = (difference_of(side[0], own) for own in side[1:])
+    (ax, ay, az), (bx, by, bz) = (difference_of(side[0], corner) for corner in side[1:])
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
@@ -419,30 +419,30 @@ class Mesh:
     def __init__(self, data: Any, dimension: int = 2) -> None:
         self.dimension = dimension
         self.unit, corners, simplices = take(data, f"unit corners {NAMES[dimension]}")
-        places = [numbers(own, dimension + 1, CORNER) for own in items(corners, most=MAX_CORNERS)]
-        self.places, self.values = [own[:-1] for own in places], [own[-1] for own in places]
-        self.simplices = [numbers(own, dimension + 1, SIMPLEX) for own in items(simplices, most=MAX_SIMPLICES)]
+        places = [numbers(text, dimension + 1, CORNER) for text in items(corners, most=MAX_CORNERS)]
+        self.places, self.values = [corner[:-1] for corner in places], [corner[-1] for corner in places]
+        self.simplices = [numbers(text, dimension + 1, SIMPLEX) for text in items(simplices, most=MAX_SIMPLICES)]
         require(self.simplices, "a simplex")
         self.left: dict[Place, int] = {}  # the simplex to the left of a side in one of its two orders
-        for number, own in enumerate(self.simplices):
+        for number, simplex in enumerate(self.simplices):
             BUDGET.spend(20)
-            for side in map(in_order, sides_of(own)):
+            for side in map(in_order, sides_of(simplex)):
                 require(side not in self.left, "sides of one simplex to the left, and of one to the right")
                 self.left[side] = number
         self.border = [side for side in self.left if turned(side) not in self.left]
 
-    def corners(self, own: Iterable[int]) -> list[Place]:
+    def corners(self, indices: Iterable[int]) -> list[Place]:
         """The places of some corners."""
-        return [self.places[k] for k in own]
+        return [self.places[k] for k in indices]
 
     def inner_corners(self) -> set[int]:
         """The numbers of the corners that are on no side of the border."""
-        return {k for own in self.simplices for k in own} - {k for side in self.border for k in side}
+        return {k for simplex in self.simplices for k in simplex} - {k for side in self.border for k in side}
 
     def slope(self, simplex: int) -> Place:
         """The gradient of W on a simplex, times its size and d!, which must be positive."""
-        own = self.simplices[simplex]
-        corners, values = self.corners(own), [self.values[k] for k in own]
+        indices = self.simplices[simplex]
+        corners, values = self.corners(indices), [self.values[k] for k in indices]
         normals = [normal(side) for side in sides_of(corners)]
         away = difference_of(corners[1], corners[0])
         require(sum(map(mul, normals[0], away)) < 0, "simplices of positive size")
@@ -464,36 +464,36 @@ def turned(side: Place) -> Place:
 def numbers(data: Any, count: int, form: re.Pattern[str]) -> Place:
     """Some whole numbers from a text such as ``-3 0 12``."""
     require(type(data) is str and form.fullmatch(data), f"{count} whole numbers in a text")
-    found = tuple(map(int, data.split(" ")))
-    require(len(found) == count, f"{count} whole numbers in a text")
-    return found
+    values = tuple(map(int, data.split(" ")))
+    require(len(values) == count, f"{count} whole numbers in a text")
+    return values
 
 
 def show_falls(mesh: Mesh, cells: CellFields) -> None:
     """W falls along every solution until the border is met: conditions 1 to 3."""
-    met = []
-    for number, own in enumerate(mesh.simplices):
-        corners, slope = mesh.corners(own), mesh.slope(number)
-        met.append(cells.crossing(corners))
-        for field in (field for signs in met[-1] for field in cells.fields(signs, corners)):
+    crossing = []
+    for number, simplex in enumerate(mesh.simplices):
+        corners, slope = mesh.corners(simplex), mesh.slope(number)
+        crossing.append(cells.crossing(corners))
+        for field in (field for signs in crossing[-1] for field in cells.fields(signs, corners)):
             require(max(field.along(slope).highest(corners)) < 0, f"a function that falls on simplex {number}")
     if cells.has_borders:
-        (show_across if mesh.dimension == 2 else show_across_in_space)(mesh, cells, met)
+        (show_across if mesh.dimension == 2 else show_across_in_space)(mesh, cells, crossing)
 
 
-def show_across(mesh: Mesh, plane: CellFields, met: Sequence[frozenset[Any]]) -> None:
+def show_across(mesh: Mesh, plane: CellFields, crossing: Sequence[frozenset[Any]]) -> None:
     """W falls along solutions that stay on a side, or at a corner, where cells meet: conditions 2 and 3 in the plane.
 
     Args:
         mesh: of triangles.
         plane: the cells.
-        met: those that the inside of each triangle may meet.
+        crossing: those that the inside of each triangle may meet.
     """
     for (i, j), number in mesh.left.items():
         other = mesh.left.get((j, i))
         if other is not None and i < j:
             touching = plane.touching(mesh.corners((i, j)))
-            if not touching <= met[number] and not touching <= met[other]:
+            if not touching <= crossing[number] and not touching <= crossing[other]:
                 beside = mesh.corners(mesh.simplices[number])
                 fields = [end for signs in touching for field in plane.fields(signs, beside) for end in field.ends()]
                 across = normal(mesh.corners((i, j)))
@@ -507,19 +507,19 @@ def show_across(mesh: Mesh, plane: CellFields, met: Sequence[frozenset[Any]]) ->
         require(len(touching) == 1 or in_half_plane(velocities), f"velocities in a half plane at {place}")
 
 
-def show_across_in_space(mesh: Mesh, space: CellFields, met: Sequence[frozenset[Any]]) -> None:
+def show_across_in_space(mesh: Mesh, space: CellFields, crossing: Sequence[frozenset[Any]]) -> None:
     """W falls along solutions that stay on a side, an edge or a corner where cells meet: conditions 2 and 3 in space.
 
     Args:
         mesh: of tetrahedra.
         space: the cells.
-        met: those that the inside of each tetrahedron may meet.
+        crossing: those that the inside of each tetrahedron may meet.
     """
     holding: dict[Place, list[int]] = {}
-    for number, own in enumerate(mesh.simplices):
+    for number, simplex in enumerate(mesh.simplices):
         BUDGET.spend(20)
         for count in (1, 2, 3):
-            for face in combinations(sorted(own), count):
+            for face in combinations(sorted(simplex), count):
                 holding.setdefault(face, []).append(number)
     for side in mesh.border:
         for count in (1, 2, 3):
@@ -527,12 +527,12 @@ def show_across_in_space(mesh: Mesh, space: CellFields, met: Sequence[frozenset[
                 holding.pop(face, None)
     for face, numbers in holding.items():
         touching = space.touching(mesh.corners(face))
-        if not any(touching <= met[number] for number in numbers):
+        if not any(touching <= crossing[number] for number in numbers):
             beside = mesh.corners(mesh.simplices[numbers[0]] if len(face) > 1 else face)
             fields = [end for signs in touching for field in space.fields(signs, beside) for end in field.ends()]
             slopes = [mesh.slope(number) for number in numbers]
             BUDGET.spend(len(slopes) ** 2)
-            falls = any(falls_along(mesh, face, *own, fields, least=0) for own in permutations(slopes, 2))
+            falls = any(falls_along(mesh, face, *pair, fields, least=0) for pair in permutations(slopes, 2))
             require(falls, f"a function that falls on the face {face}")
 
 
@@ -583,7 +583,7 @@ def show_border(mesh: Mesh, level: int, plane: Plane, near: Function, local: Sta
         corners = mesh.corners(side)
         for signs in plane.touching(corners):
             room = Field.of([constant(mesh.dimension, below) - near.on(signs)])
-            inside = all(abs(own) <= reach for place in corners for own in place)
+            inside = all(abs(coordinate) <= reach for place in corners for coordinate in place)
             require(inside and min(room.on(corners)) > 0, f"a border in the level set, or at the level: {side}")
 
 
@@ -594,15 +594,15 @@ def show_basin(system: System, hypotheses: Any, proofs: Proofs) -> list[Statemen
     ``surfaces`` on which fields and V switch, ``mesh`` (``unit``; ``corners``, each its place in units from the point
     and its value, whole numbers; ``triangles``, or in space ``tetrahedra``) and ``below``, the level c.
     """
-    local, surfaces, mesh, below = take(hypotheses, "local surfaces mesh below")
+    local, surfaces, mesh_data, below = take(hypotheses, "local surfaces mesh below")
     require(not system.numbers, "rational numbers, for a mesh")
     require("denominator" not in local, "a V without a denominator beside a mesh")
-    shown = show_stability(system, local, proofs)
-    levels = [own["attracts"] for own in shown if type(own.get("attracts")) is dict]
-    own = Mesh(mesh, system.count)
+    conclusions = show_stability(system, local, proofs)
+    levels = [conclusion["attracts"] for conclusion in conclusions if type(conclusion.get("attracts")) is dict]
+    mesh = Mesh(mesh_data, system.count)
     require(type(below) is int, "a level that is a whole number")
-    plane = Plane(system, own.unit, surfaces, proofs)
-    near = Plane(system, own.unit, local["cells"]["surfaces"], proofs)
-    show_falls(own, plane)
-    show_border(own, below, near, Function(near.domain, near.surfaces, local["function"]), levels[0])
-    return [*shown, {"attracts": {"mesh": mesh, "below": below}}]
+    plane = Plane(system, mesh.unit, surfaces, proofs)
+    near = Plane(system, mesh.unit, local["cells"]["surfaces"], proofs)
+    show_falls(mesh, plane)
+    show_border(mesh, below, near, Function(near.domain, near.surfaces, local["function"]), levels[0])
+    return [*conclusions, {"attracts": {"mesh": mesh_data, "below": below}}]

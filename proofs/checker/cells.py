@@ -82,22 +82,22 @@ class System:
     @property
     def waves(self) -> list[tuple[int, ...]]:
         """The number of sines and cosines in the formulas of each right-hand side."""
-        return [tuple(len(waves_in(parsed(own))) for own in side) for side in self.rhs]
+        return [tuple(len(waves_in(parsed(formula))) for formula in side) for side in self.rhs]
 
     def fields(self, place: Mapping[str, Polynomial], wave: WaveAt | None = None) -> Sequence[Sequence[Formula]]:
         """The formulas of the velocities at a place, for each right-hand side.
 
         A side with sines and cosines has fields for all ends of what these may be: velocities are in their hull.
         """
-        wave, found = wave or partial(series, order=self.order), []
+        wave, fields = wave or partial(series, order=self.order), []
         for side, counts in zip(self.rhs, self.waves, strict=True):
             require(sum(counts) <= MAX_WAVES, f"right-hand sides with at most {MAX_WAVES} sines and cosines")
             for ends in product((0, 1), repeat=sum(counts)):
                 rest = iter(ends)
-                own = [[next(rest) for _ in range(count)] for count in counts]
-                listed = zip(self.states, side, own, strict=True)
-                found.append([self.formula(state, text, place, e, wave) for state, text, e in listed])
-        return found
+                by_state = [[next(rest) for _ in range(count)] for count in counts]
+                listed = zip(self.states, side, by_state, strict=True)
+                fields.append([self.formula(state, text, place, e, wave) for state, text, e in listed])
+        return fields
 
     def formula(
         self, state: str, data: str, place: Mapping[str, Polynomial], ends: Sequence[int], wave: WaveAt
@@ -131,7 +131,7 @@ def read_system(data: Any) -> System:
     states = tuple(text(name) for name in items(names))
     require(MIN_STATES <= len(states) <= MAX_STATES, f"{MIN_STATES} to {MAX_STATES} states")
     require(len(set(states)) == len(states) and all(map(NAME.fullmatch, states)), "states with different names")
-    rhs = tuple(tuple(text(own) for own in items(side, len(states))) for side in items(sides, most=MAX_FIELDS))
+    rhs = tuple(tuple(text(f) for f in items(side, len(states))) for side in items(sides, most=MAX_FIELDS))
     require(rhs, "a right-hand side")
     tower, numbers = read_numbers([] if listed is None else listed)
     require(not set(numbers) & set(states), "names of numbers that are no states")
@@ -161,9 +161,9 @@ def pattern(signs: Iterable[int | None]) -> str:
 
 def read_signs(data: Any, size: int) -> dict[int, int]:
     """The signs of some surfaces from such a text."""
-    own = text(data)
-    require(len(own) == size and set(own) <= {"-", "+", "."}, "a sign or a dot for each surface")
-    return {j: -1 if mark == "-" else 1 for j, mark in enumerate(own) if mark != "."}
+    marks = text(data)
+    require(len(marks) == size and set(marks) <= {"-", "+", "."}, "a sign or a dot for each surface")
+    return {j: -1 if mark == "-" else 1 for j, mark in enumerate(marks) if mark != "."}
 
 
 class Domain:
@@ -181,16 +181,16 @@ class Domain:
         is_box = type(within) is list
         require(not is_box or system.in_time_of_states, "a cube, or a box of roots in the time of the states")
         self.radius = Fraction(1) if is_box or not self.bounded else rational(within)
-        self.widths = [rational(own) for own in items(within, count)] if is_box else [self.radius] * count
+        self.widths = [rational(width) for width in items(within, count)] if is_box else [self.radius] * count
         require(min(self.widths) > 0, "a cube of positive size")
         numbers = {name: constant(count, number) for name, number in system.numbers.items()}
         away = [variable(count, k, width) for k, width in enumerate(self.widths)]
         self.gradients: list[list[Polynomial]] | None = None  # of the parts of L, at T(z)
         if maps is not None:
             to_states, back = maps
-            away = [own.on(away, count) for own in to_states]
-            self.gradients = [[own.derivative(k).on(away, count) for k in range(count)] for own in back]
-        at = [own + constant(count, value) for own, value in zip(away, system.origin, strict=True)]
+            away = [polynomial.on(away, count) for polynomial in to_states]
+            self.gradients = [[polynomial.derivative(k).on(away, count) for k in range(count)] for polynomial in back]
+        at = [coordinate + constant(count, value) for coordinate, value in zip(away, system.origin, strict=True)]
         self.displacement = {**dict(zip(system.coordinates, away, strict=True)), **numbers}
         self.place = {**dict(zip(system.coordinates, at, strict=True)), **numbers}
 
@@ -199,7 +199,7 @@ class Domain:
         if self.gradients is None:
             return tuple(field)
         nothing = constant(self.system.count, 0)
-        return tuple(sum((a * b for a, b in zip(own, field, strict=True)), nothing) for own in self.gradients)
+        return tuple(sum((a * b for a, b in zip(gradient, field, strict=True)), nothing) for gradient in self.gradients)
 
     def guards(self) -> dict[str, Polynomial]:
         """The guards of the cube; none of the space."""
@@ -216,24 +216,22 @@ def read_maps(frame: Any, coordinates: Any, system: System) -> Maps | None:
     count, units = system.count, list(identity(system.count))
     if coordinates is None:
         undone = "a frame of two matrices whose product is one"
-        listed = [items(own, count) for own in items(frame, 2)]
-        rows = [[[rational(value) for value in items(row, count)] for row in own] for own in listed]
-        to_states, back = (applied(own, units) for own in rows)
+        listed = [items(matrix, count) for matrix in items(frame, 2)]
+        rows = [[[rational(value) for value in items(row, count)] for row in matrix] for matrix in listed]
+        to_states, back = (applied(matrix, units) for matrix in rows)
     else:
         undone = "two maps of which one undoes the other"
         names = dict(zip(system.states, units, strict=True))
-        texts = [items(own, count) for own in items(coordinates, 2)]
-        to_states, back = ([Formula(text, names).on(no_switching) for text in own] for own in texts)
-    require(not any(own.at_origin for own in to_states), "coordinates that are zero at the point")
-    require([own.on(to_states, count) for own in back] == units, undone)
+        texts = [items(formulas, count) for formulas in items(coordinates, 2)]
+        to_states, back = ([Formula(text, names).on(no_switching) for text in formulas] for formulas in texts)
+    require(not any(polynomial.at_origin for polynomial in to_states), "coordinates that are zero at the point")
+    require([polynomial.on(to_states, count) for polynomial in back] == units, undone)
     return to_states, back
 
 
 def applied(matrix: Matrix, vector: Sequence[Polynomial]) -> list[Polynomial]:
     """A matrix times a vector of polynomials."""
-    return [
-        sum((own.times(c) for own, c in zip(vector, row, strict=True)), constant(vector[0].count, 0)) for row in matrix
-    ]
+    return [sum((p.times(c) for p, c in zip(vector, row, strict=True)), constant(vector[0].count, 0)) for row in matrix]
 
 
 def require_formulas(system: System) -> None:
@@ -258,8 +256,8 @@ class Surfaces:
     def __init__(self, domain: Domain, listed: Any, empty: Any, proofs: Proofs) -> None:
         self.domain, self.proofs = domain, proofs
         texts = items(listed, most=MAX_SURFACES)
-        self.listed = tuple(Formula(own, domain.displacement).on(no_switching) for own in texts)
-        require(all(own.degree for own in self.listed), "surfaces that are not constant")
+        self.listed = tuple(Formula(formula, domain.displacement).on(no_switching) for formula in texts)
+        require(all(surface.degree for surface in self.listed), "surfaces that are not constant")
         self._require_coprime()
         self._factors: dict[Polynomial, tuple[int, tuple[int, ...]]] = {}
         self.empty = [self._show_empty(entry) for entry in items(empty, most=MAX_EMPTY)]
@@ -279,8 +277,8 @@ class Surfaces:
         last = max(signs)
         others = {f"s{j}": self.signed(j, s) for j, s in signs.items() if j != last}
         guards = {**others, **self.domain.guards()}
-        asked = Inequality(-self.signed(last, signs[last]), guards, open=frozenset(guards))
-        self.proofs.show(Claim(f"empty {mark}", (asked,), strict=False, bounded=self.domain.bounded))
+        inequality = Inequality(-self.signed(last, signs[last]), guards, open=frozenset(guards))
+        self.proofs.show(Claim(f"empty {mark}", (inequality,), strict=False, bounded=self.domain.bounded))
         return signs
 
     def signed(self, j: int, sign: int) -> Polynomial:
@@ -290,7 +288,7 @@ class Surfaces:
     def patterns(self) -> Iterator[Pattern]:
         """All patterns of signs but those that are shown to be empty."""
         waiting: list[Pattern] = [()]
-        found = 0
+        count = 0
         while waiting:
             signs = waiting.pop()
             BUDGET.spend(1 + len(self.empty))
@@ -299,8 +297,8 @@ class Surfaces:
             if len(signs) < len(self.listed):
                 waiting += [(*signs, -1), (*signs, 1)]
                 continue
-            found += 1
-            require(found <= MAX_CELLS, f"at most {MAX_CELLS} cells")
+            count += 1
+            require(count <= MAX_CELLS, f"at most {MAX_CELLS} cells")
             yield signs
 
     def sign_on(self, signs: Pattern, value: Polynomial) -> int:
@@ -358,13 +356,13 @@ class Function:
     def on(self, signs: Pattern) -> Polynomial:
         """The polynomial on a cell; all pieces that apply must agree."""
         BUDGET.spend(len(self.pieces))
-        found = {
+        polynomials = {
             formula.on(lambda value: self.surfaces.sign_on(signs, value))
-            for own, formula in self.pieces
-            if all(signs[j] == s for j, s in own.items())
+            for surface_signs, formula in self.pieces
+            if all(signs[j] == s for j, s in surface_signs.items())
         }
-        require(len(found) == 1, "one formula of a function on every cell")
-        return found.pop()
+        require(len(polynomials) == 1, "one formula of a function on every cell")
+        return polynomials.pop()
 
 
 class Inclusion:
@@ -382,8 +380,8 @@ class Inclusion:
         self.domain, self.proofs = Domain(system, within, maps), proofs
         self.count, self.surfaces = system.count, Surfaces(self.domain, surfaces, empty, proofs)
         fields = system.fields(self.domain.place)
-        own = [Function(self.domain, self.surfaces, function) for function in functions]
-        self.cells = [self._cell(signs, fields, own) for signs in self.surfaces.patterns()]
+        piecewise = [Function(self.domain, self.surfaces, function) for function in functions]
+        self.cells = [self._cell(signs, fields, piecewise) for signs in self.surfaces.patterns()]
         self.bending = self._bending_surfaces()
         self.parted = self._parted_pieces()
         system.show_equivalent(self)
@@ -392,21 +390,21 @@ class Inclusion:
         def sign_of(value: Polynomial) -> int:
             return self.surfaces.sign_on(signs, value)
 
-        own = [self.domain.velocity([formula.on(sign_of) for formula in field]) for field in fields]
-        different = tuple((k, field) for k, field in enumerate(own) if field not in own[:k])
+        velocities = [self.domain.velocity([formula.on(sign_of) for formula in field]) for field in fields]
+        different = tuple((k, field) for k, field in enumerate(velocities) if field not in velocities[:k])
         return Cell(signs, different, tuple(function.on(signs) for function in functions))
 
     def _bending_surfaces(self) -> tuple[int, ...]:
         """The surfaces across which a function changes its polynomial."""
         by_signs = {cell.signs: cell for cell in self.cells}
         system, domain = self.domain.system, self.domain
-        found = {j for j, surface in enumerate(self.surfaces.listed) if system.bends_at(surface, domain)}
+        bending = {j for j, surface in enumerate(self.surfaces.listed) if system.bends_at(surface, domain)}
         for cell in self.cells:
             for j in range(len(cell.signs)):
                 other = by_signs.get(flipped(cell.signs, j))
                 if cell.signs[j] > 0 and other is not None and other.functions != cell.functions:
-                    found.add(j)
-        return tuple(sorted(found))
+                    bending.add(j)
+        return tuple(sorted(bending))
 
     def _parted_pieces(self) -> set[frozenset[Pattern]]:
         """Pairs of pieces that differ in one sign, and have no common point; the functions are shown to be continuous.
@@ -416,15 +414,15 @@ class Inclusion:
         """
         pieces: dict[Pattern, tuple[Polynomial, ...]] = {}
         for cell in self.cells:
-            own = pieces.setdefault(self.signs_of_piece(cell), cell.functions)
-            require(own == cell.functions, "functions that bend on their surfaces alone")
+            functions = pieces.setdefault(self.signs_of_piece(cell), cell.functions)
+            require(functions == cell.functions, "functions that bend on their surfaces alone")
         parted = set()
-        for signs, own in pieces.items():
+        for signs, functions in pieces.items():
             for i, j in enumerate(self.bending):
                 beside = pieces.get(flipped(signs, i))
                 if signs[i] < 0 or beside is None:
                     continue
-                gaps = [a - b for a, b in zip(own, beside, strict=True)]
+                gaps = [a - b for a, b in zip(functions, beside, strict=True)]
                 if any(gap.divided(self.surfaces.listed[j]) is None for gap in gaps):
                     require(self._are_parted(signs, j), "functions that are continuous")
                     parted.add(frozenset((signs, flipped(signs, i))))
@@ -466,12 +464,12 @@ class Inclusion:
 
     def pieces(self) -> Iterator[tuple[str, SurfaceSigns, Cell]]:
         """A cell of each pattern of signs of the bending surfaces: its name, these signs, itself."""
-        seen = set()
+        names = set()
         for cell in self.cells:
             BUDGET.spend(1 + len(cell.signs) // 4)
             name = pattern(s if j in self.bending else None for j, s in enumerate(cell.signs))
-            if name not in seen:
-                seen.add(name)
+            if name not in names:
+                names.add(name)
                 yield name, {j: cell.signs[j] for j in self.bending}, cell
 
     def faces(self) -> list[Face]:
@@ -482,7 +480,7 @@ class Inclusion:
         """
         curved = [j for j in self.bending if self.surfaces.listed[j].degree > 1]
         flat = [j for j in self.bending if j not in curved]
-        found: dict[tuple[int, ...], Face] = {}
+        faces: dict[tuple[int, ...], Face] = {}
         for size in range(1, len(curved) + min(len(flat), self.count) + 1):
             for chosen in combinations(self.bending, size):
                 BUDGET.spend(100)
@@ -490,9 +488,9 @@ class Inclusion:
                     continue
                 face = build_face(self, chosen)
                 if face is not None:
-                    found.setdefault(face.zero, face)
-                require(len(found) <= MAX_FACES, f"at most {MAX_FACES} faces on which V bends")
-        return [face for face in found.values() if not face.is_outside]
+                    faces.setdefault(face.zero, face)
+                require(len(faces) <= MAX_FACES, f"at most {MAX_FACES} faces on which V bends")
+        return [face for face in faces.values() if not face.is_outside]
 
 
 def flipped(signs: Pattern, j: int) -> Pattern:
@@ -507,20 +505,20 @@ def components(patterns: set[Pattern], parted: set[frozenset[Pattern]]) -> list[
         patterns: at least one.
         parted: pairs between which no step leads.
     """
-    left, found = set(patterns), []
-    while left:
-        waiting = [min(left)]
+    remaining, parts = set(patterns), []
+    while remaining:
+        waiting = [min(remaining)]
         part = set(waiting)
         while waiting:
             signs = waiting.pop()
             BUDGET.spend(1 + len(signs))
-            steps = {flipped(signs, j) for j in range(len(signs))} & left - part
-            steps = {own for own in steps if frozenset((signs, own)) not in parted}
+            steps = {flipped(signs, j) for j in range(len(signs))} & remaining - part
+            steps = {step for step in steps if frozenset((signs, step)) not in parted}
             part |= steps
             waiting += steps
-        left -= part
-        found.append(part)
-    return found
+        remaining -= part
+        parts.append(part)
+    return parts
 
 
 @dataclass(frozen=True)
@@ -560,14 +558,14 @@ class Face:
     def guards(self, signs: SurfaceSigns) -> dict[str, Polynomial] | None:
         """Surfaces with signs, and the cube; None where one of them is a negative number on the subspace."""
         bounded = self.inclusion.domain.bounded
-        found = cube_guards(self.coordinates, self.dimension) if bounded else {}
+        guards = cube_guards(self.coordinates, self.dimension) if bounded else {}
         for j, sign in signs.items():
-            own = self.restricted(self.inclusion.surfaces.signed(j, sign))
-            if own.degree:
-                found[f"s{j}"] = own
-            elif own.at_origin < 0:
+            guard = self.restricted(self.inclusion.surfaces.signed(j, sign))
+            if guard.degree:
+                guards[f"s{j}"] = guard
+            elif guard.at_origin < 0:
                 return None
-        return found
+        return guards
 
     def zeros(self) -> dict[str, Polynomial]:
         """The curved surfaces, which vanish on the face."""
@@ -593,5 +591,5 @@ def build_face(inclusion: Inclusion, chosen: Sequence[int]) -> Face | None:
     curved = tuple(j for j in chosen if j not in flat)
     bare = Face(inclusion, (), (), coordinates, dimension)
     zero = {j for j in inclusion.bending if not bare.restricted(listed[j])} | set(curved)
-    kept = tuple(j for j in curved if bare.restricted(listed[j]))
-    return Face(inclusion, tuple(sorted(zero)), kept, coordinates, dimension)
+    still_curved = tuple(j for j in curved if bare.restricted(listed[j]))
+    return Face(inclusion, tuple(sorted(zero)), still_curved, coordinates, dimension)

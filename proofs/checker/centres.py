@@ -95,9 +95,9 @@ def _inclusion(system: System, cells: Any, functions: Sequence[Any], proofs: Pro
     require(plain and len(system.rhs) == 1, "one right-hand side in two states, without roots")
     inclusion = Inclusion(system, cells, functions, proofs)
     require(inclusion.domain.bounded, "a square")
-    for j, own in enumerate(inclusion.surfaces.listed):
-        beyond = all(own.at_origin * cell.signs[j] > 0 for cell in inclusion.cells)
-        require(beyond or (own.degree == 1 and own.is_form), "lines through the point, and surfaces outside the square")
+    for j, s in enumerate(inclusion.surfaces.listed):
+        beyond = all(s.at_origin * cell.signs[j] > 0 for cell in inclusion.cells)
+        require(beyond or (s.degree == 1 and s.is_form), "lines through the point, and surfaces outside the square")
     return inclusion
 
 
@@ -112,17 +112,17 @@ def show_turns(inclusion: Inclusion, weights: Any, sense: Any, proofs: Proofs) -
         guards = space.guards(dict(enumerate(cell.signs))) or {}
         for number, field in cell.fields:
             value = turning(field, stated[cell.signs]).times(sense)
-            own = Inequality(value, guards, open=frozenset(guards))
-            proofs.show(Claim(f"turns {pattern(cell.signs)} field {number}", (own,), strict=True, bounded=True))
+            inequality = Inequality(value, guards, open=frozenset(guards))
+            proofs.show(Claim(f"turns {pattern(cell.signs)} field {number}", (inequality,), strict=True, bounded=True))
 
 
 def read_weights(inclusion: Inclusion, data: Any) -> Mapping[tuple[int, ...], Weights]:
     """The weights on every cell; equal ones unless all surfaces are axes."""
     names = [pattern(cell.signs) for cell in inclusion.cells]
     require(type(data) is dict and set(data) == set(names), "weights for each cell")
-    pairs = [[rational(value) for value in items(data[own], 2)] for own in names]
+    pairs = [[rational(value) for value in items(data[name], 2)] for name in names]
     require(all(min(pair) > 0 for pair in pairs), "positive weights")
-    axes = all(len(own.terms) == 1 for own in inclusion.surfaces.listed if not own.at_origin)
+    axes = all(len(surface.terms) == 1 for surface in inclusion.surfaces.listed if not surface.at_origin)
     require(axes or all(a == b for a, b in pairs), "equal weights beside lines that are no axes")
     return {cell.signs: (a, b) for cell, (a, b) in zip(inclusion.cells, pairs, strict=True)}
 
@@ -130,7 +130,7 @@ def read_weights(inclusion: Inclusion, data: Any) -> Mapping[tuple[int, ...], We
 def turning(field: Sequence[Polynomial], weights: Weights) -> Polynomial:
     """The part of ``a x f_2 - b y f_1`` of weight a + b + k; k is the least weight of f_1 less a, or of f_2 less b."""
     a, b = weights
-    terms = [(a * i + b * j - own) for own, part in zip(weights, field, strict=True) for i, j in part.terms]
+    terms = [(a * i + b * j - weight) for weight, part in zip(weights, field, strict=True) for i, j in part.terms]
     whole = variable(2, 0, a) * field[1] - variable(2, 1, b) * field[0]
     least = a + b + min(terms, default=Fraction(0))
     return Polynomial(2, {(i, j): c for (i, j), c in whole.terms.items() if a * i + b * j == least})
@@ -152,7 +152,7 @@ def require_reversed(system: System, inclusion: Inclusion, reflection: Matrix) -
     mirrored = applied(reflection, [variable(2, k) for k in range(2)])
     place = inclusion.domain.place
     straight = system.fields(place)
-    turned = system.fields({name: own.on(mirrored, 2) for name, own in place.items()})
+    turned = system.fields({name: polynomial.on(mirrored, 2) for name, polynomial in place.items()})
     for formula, other in zip(straight[0], turned[0], strict=True):
         for (_, v), (_, w) in zip(formula.arguments(), other.arguments(), strict=True):
             require(w in (v, -v), "sines and cosines of what the reflection keeps, up to its sign")

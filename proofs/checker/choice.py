@@ -36,11 +36,11 @@ def show_choice(system: System, hypotheses: Any, proofs: Proofs) -> list[Stateme
 
     Hypotheses: ``choice``, ``theorem``, and ``hypotheses``: those of that theorem about the chosen right-hand side.
     """
-    choice, theorem, own = take(hypotheses, "choice theorem hypotheses")
+    choice, theorem, theorem_hypotheses = take(hypotheses, "choice theorem hypotheses")
     require(not any(map(any, system.waves)), "fields that are exact: no sines and cosines")
     require_formulas(system)
     require(type(theorem) is str and theorem in BY_ONE, f"a theorem of {', '.join(BY_ONE)}")
-    BY_ONE[theorem](chosen_system(system, choice), own, proofs)  # each shows that the point is unstable
+    BY_ONE[theorem](chosen_system(system, choice), theorem_hypotheses, proofs)  # each shows that the point is unstable
     return [{"stability": UNSTABLE}]
 
 

@@ -51,7 +51,7 @@ class CircleSystem(System):
     def coordinates(self) -> tuple[str, ...]:
         """The states, but ``sin_x`` and ``cos_x`` (which stands for ``cos x - 1``) in place of an angle x."""
         pairs = ((f"sin_{name}", f"cos_{name}") if name in self.angles else (name,) for name in self.states)
-        return tuple(own for pair in pairs for own in pair)
+        return tuple(coordinate for pair in pairs for coordinate in pair)
 
     @property
     def count(self) -> int:
@@ -62,23 +62,23 @@ class CircleSystem(System):
     def origin(self) -> tuple[Any, ...]:
         """The point in the coordinates."""
         at = dict(zip(self.states, self.at, strict=True))
-        return tuple(at.get(own, Fraction(0)) for own in self.coordinates)
+        return tuple(at.get(coordinate, Fraction(0)) for coordinate in self.coordinates)
 
     def fields(self, place: Mapping[str, Polynomial], wave: WaveAt | None = None) -> Sequence[Sequence[Formula]]:
         """The formulas of the velocities of the coordinates."""
         require(wave is None, "exact sines and cosines on circles")
-        found = []
+        fields = []
         for side in self.rhs:
-            own: list[Formula] = []
+            field: list[Formula] = []
             for name, text in zip(self.states, side, strict=True):
                 if name in self.angles:
                     sine, cosine = place[f"sin_{name}"], place[f"cos_{name}"]
                     factors = [cosine + constant(cosine.count, 1), -sine]
                 else:
                     factors = [constant(next(iter(place.values())).count, 1)]
-                own += [CircleFormula(text, place, self.angles, factor) for factor in factors]
-            found.append(own)
-        return found
+                field += [CircleFormula(text, place, self.angles, factor) for factor in factors]
+            fields.append(field)
+        return fields
 
 
 class CircleFormula(Formula):
@@ -112,10 +112,10 @@ class CircleFormula(Formula):
         for k, name in enumerate(self.angles):
             turns = v.slope(k)
             require(turns == int(turns) and abs(turns) <= MOST_TURNS, "whole multiples of angles")
-            own, across = self.states[f"sin_{name}"], self.states[f"cos_{name}"] + one
-            own = own if turns > 0 else -own
+            s, across = self.states[f"sin_{name}"], self.states[f"cos_{name}"] + one
+            s = s if turns > 0 else -s
             for _ in range(abs(int(turns))):
-                sine, cosine = sine * across + cosine * own, cosine * across - sine * own
+                sine, cosine = sine * across + cosine * s, cosine * across - sine * s
         return sine, cosine
 
 
@@ -136,10 +136,10 @@ def show_on_circles(system: System, hypotheses: Any, proofs: Proofs) -> list[Sta
     require(system.coordinates == system.states, "no roots beside angles")
     at = dict(zip(system.states, system.at, strict=True))
     require(not any(at[name] for name in angles), "angles that are 0 at the point")
-    own = CircleSystem(system.states, system.rhs, system.at, system.numbers, angles=angles)
-    names = (*own.coordinates, *system.numbers)
-    require(own.count <= MAX_STATES and len(set(names)) == len(names), "different names of few coordinates")
-    stated = Lyapunov(Inclusion(own, cells, [function], proofs), proofs)
+    circle_system = CircleSystem(system.states, system.rhs, system.at, system.numbers, angles=angles)
+    names = (*circle_system.coordinates, *system.numbers)
+    require(circle_system.count <= MAX_STATES and len(set(names)) == len(names), "different names of few coordinates")
+    stated = Lyapunov(Inclusion(circle_system, cells, [function], proofs), proofs)
     stated.show_zero()
     stated.show_positive()
     stated.show_falls("", stated.zero, strict=False)

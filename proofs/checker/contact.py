@@ -90,8 +90,8 @@ class Cells:
         origin = [k for k, corner in enumerate(corners) if is_zero(corner[:2])]
         away = [corner[:2] for k, corner in enumerate(corners) if k not in origin]
         motions = tuple(
-            Motion(number, own, twist, tuple(dot(twist, place).sign() for place in away))
-            for own, twist in zip(rows, twists, strict=True)
+            Motion(number, motion_rows, twist, tuple(dot(twist, place).sign() for place in away))
+            for motion_rows, twist in zip(rows, twists, strict=True)
         )
         rays = self._rays(name, polygon, corners, origin)
         return Cell(tuple(polygon), tuple(corners), acting, motions, rays)
@@ -184,16 +184,18 @@ class _Nearest:
             require(k in able, f"{name}: wheels that the rule takes")
             able.discard(k)
             steps.append((k, set(able)))
-            branches = [self._extended(own, order) for own in branches for order in self.orders[k]]
+            branches = [self._extended(branch, order) for branch in branches for order in self.orders[k]]
         require(len(branches[0]) == 3, f"{name}: wheels that leave no motion free")
         if sum(len(orders[0]) for orders in self.orders.values()) > 3:  # else all of them are taken, in any order
             self._require_nearest(name, steps, corners)
-        found = list(dict.fromkeys(tuple(sorted(own, key=lambda row: (chain.index(row[1]), row))) for own in branches))
-        obeyed = len(found) == len(twists)
-        for own, twist in zip(found, twists, strict=False):
-            obeyed = obeyed and is_zero(dot(self.array.rows[row], twist) for row in own)
+        rows = list(
+            dict.fromkeys(tuple(sorted(branch, key=lambda row: (chain.index(row[1]), row))) for branch in branches)
+        )
+        obeyed = len(rows) == len(twists)
+        for motion_rows, twist in zip(rows, twists, strict=False):
+            obeyed = obeyed and is_zero(dot(self.array.rows[row], twist) for row in motion_rows)
         require(obeyed, f"{name}: a twist for each choice of rows, which it obeys")
-        return found
+        return rows
 
     def _adds_to(self, taken: tuple[Row, ...], k: int) -> bool:
         """Whether a wheel has a row that may be taken after others."""
@@ -243,7 +245,7 @@ class _Box:
     ) -> list[tuple[Row, ...]]:
         """The rows that each twist satisfies; the claim: the twists are the minimizers of D that its edges join."""
         require(twists, f"{name}: a twist")
-        limits, rows, found = friction_limits(self.array, acting, corners), self.array.rows, []
+        limits, rows, tight_rows = friction_limits(self.array, acting, corners), self.array.rows, []
         for twist in twists:
             slips = {row: dot(normal, twist).sign() for row, normal in rows.items()}
             tight = tuple(row for row, side in slips.items() if not side)
@@ -252,8 +254,8 @@ class _Box:
             for way, slopes in edge_slopes(rows, slips, limits):
                 sound = min(slopes) >= 0 and (max(slopes) > 0 or _leads_along(way, gaps))
                 require(sound, f"{name}: all twists that minimize D")
-            found.append(tight)
-        return found
+            tight_rows.append(tight)
+        return tight_rows
 
 
 def _leads_along(way: Vector, gaps: Sequence[Vector]) -> bool:

@@ -37,10 +37,10 @@ def _of_array(statement: Any, name: Any) -> list[str]:
     head = f"array: {len(subject['wheels'])} wheels, rule {subject['rule']}, at ({x}, {y}), square of half side {side}"
     named = f", noted as {str(name)[:60]!r}" if name is not None else ""
     claims = [pair for claim in statement["claims"] for pair in claim.items()]
-    words = dict.fromkeys(CLAUSES, "undecided") | {kind: said for kind, said in claims if kind in CLAUSES}
+    words = dict.fromkeys(CLAUSES, "undecided") | {kind: claim for kind, claim in claims if kind in CLAUSES}
     if type(words["equilibrium"]) is bool:
         words["equilibrium"] = "holds" if words["equilibrium"] else "fails"
-    further = [_further(kind, said, field) for kind, said in claims if kind not in CLAUSES]
+    further = [_further(kind, claim, field) for kind, claim in claims if kind not in CLAUSES]
     return [head + named, *(f"{clause}: {words[clause]}" for clause in CLAUSES), *further]
 
 
@@ -52,49 +52,49 @@ def _number(data: Any, field: Field) -> str:
 def _digits(value: Fraction, count: int = 6) -> str:
     """So many digits of a number; those that are beyond the range of floats have others, too."""
     try:
-        own = float(value)
+        as_float = float(value)
     except OverflowError:
-        own = 0.0
-    if own or not value:
-        return f"{own:.{count}g}"
+        as_float = 0.0
+    if as_float or not value:
+        return f"{as_float:.{count}g}"
     return f"{Decimal(value.numerator) / Decimal(value.denominator):.{count}g}"
 
 
-def _further(kind: str, said: Any, field: Field) -> str:
+def _further(kind: str, claim: Any, field: Field) -> str:
     """A claim beside the clauses: c is the centre of mass from the point, c0 a start."""
-    if type(said) is list:  # of three numbers
-        a, b, c = (field.parse(data).rounded for data in said)
+    if type(claim) is list:  # of three numbers
+        a, b, c = (field.parse(data).rounded for data in claim)
         if kind == "obstruction":
             plane = f"{_digits(a)} v_x + {_digits(b)} v_y + {_digits(c)} omega = 0"
             return f"obstruction: no static law serves, near the point all motions obey {plane}, rounded"
         low, high = _digits(a / c), _digits(b / c)
         return f"drift: a body that rests at the point turns at rates from {low} to {high}, rounded"
-    if "mesh" in said:
-        starts = f"from one of {len(said['mesh']['triangles'])} triangles with W < {said['below']} a body"
+    if "mesh" in claim:
+        starts = f"from one of {len(claim['mesh']['triangles'])} triangles with W < {claim['below']} a body"
         if kind == "attracts":
             return f"attracts: {starts} comes to the point"
-        squared = rational(said["squared_radius"])
+        squared = rational(claim["squared_radius"])
         distance = Fraction((Decimal(squared.numerator) / Decimal(squared.denominator)).sqrt())
         return f"ends: {starts} comes to within {_digits(distance, 4)} of the point, rounded, and stays there"
-    own = {key: _number(data, field) for key, data in said.items() if data is not None and key != "form"}
-    starts = f"from abs(c0)^2 <= {own.get('squared_radius')} a body"
+    texts = {key: _number(data, field) for key, data in claim.items() if data is not None and key != "form"}
+    starts = f"from abs(c0)^2 <= {texts.get('squared_radius')} a body"
     match kind:
         case "disc":
-            falls = "falls off the point" if said["decreases"] == "strictly" else "does not grow"
-            return f"disc: abs(c) {falls} where abs(c)^2 <= {own['squared_radius']}"
+            falls = "falls off the point" if claim["decreases"] == "strictly" else "does not grow"
+            return f"disc: abs(c) {falls} where abs(c)^2 <= {texts['squared_radius']}"
         case "arrival":
-            return f"arrival: {starts} is at the point after abs(c0)/{_factor(own['rate'])} at the latest"
+            return f"arrival: {starts} is at the point after abs(c0)/{_factor(texts['rate'])} at the latest"
         case "swing":
-            return f"swing: {starts} keeps to abs(c)^2 <= {own['squared_swing']}"
+            return f"swing: {starts} keeps to abs(c)^2 <= {texts['squared_swing']}"
         case "turning":
-            return f"turning: {starts} turns by at most {_times(own['per_distance'], 'abs(c0)')} in all"
+            return f"turning: {starts} turns by at most {_times(texts['per_distance'], 'abs(c0)')} in all"
         case "feedback rate":
-            p, q, s = (_number(data, field) for data in said["form"])
-            where = f" where abs(c)^2 <= {own['squared_reach']}" if "squared_reach" in own else ""
+            p, q, s = (_number(data, field) for data in claim["form"])
+            where = f" where abs(c)^2 <= {texts['squared_reach']}" if "squared_reach" in texts else ""
             mixed = f" + 2 {_times(q, 'x y')}" if q != "0" else ""
-            function = f"V = {_times(p, 'x^2')}{mixed} + {_times(s, 'y^2')} + {_times(own['weight'], 'theta^2')}"
-            return f"feedback rate: the law of gain K has V' <= -2 K {_factor(own['kappa'])} V{where}, {function}"
-    radius, start, rate = (_digits(rational(said[key]), 4) for key in ("radius", "start", "rate"))
+            function = f"V = {_times(p, 'x^2')}{mixed} + {_times(s, 'y^2')} + {_times(texts['weight'], 'theta^2')}"
+            return f"feedback rate: the law of gain K has V' <= -2 K {_factor(texts['kappa'])} V{where}, {function}"
+    radius, start, rate = (_digits(rational(claim[key]), 4) for key in ("radius", "start", "rate"))
     words = f"bodies from within {start} end within {radius}, at a rate of at least {rate}, rounded"
     return f"within the tolerances: {words}"
 
@@ -117,9 +117,9 @@ def _of_system(statement: Any) -> list[str]:
     system = read_subject(statement["subject"])
     point = ", ".join(map(_coordinate, system.at))
     roots = f", {', '.join(system.meanings)}" if isinstance(system, RootedSystem) else ""
-    said = [OF_SYSTEMS[kind](about, system) for claim in statement["claims"] for kind, about in claim.items()]
+    sentences = [OF_SYSTEMS[kind](about, system) for claim in statement["claims"] for kind, about in claim.items()]
     numbers = [_generator(entry) for entry in statement["subject"].get("numbers", [])]
-    return [f"system in {', '.join(system.states)} at ({point}){roots}: {said[0]}", *said[1:], *numbers]
+    return [f"system in {', '.join(system.states)} at ({point}){roots}: {sentences[0]}", *sentences[1:], *numbers]
 
 
 def _coordinate(value: Any) -> str:
@@ -134,61 +134,61 @@ def _generator(entry: Any) -> str:
     return f"{entry['name']} is the root t > {entry['above']} of {' + '.join(terms)}"
 
 
-def _stability(said: str, system: System) -> str:
-    return said
+def _stability(verdict: str, system: System) -> str:
+    return verdict
 
 
-def _equilibrium(said: bool, system: System) -> str:
+def _equilibrium(claim: bool, system: System) -> str:
     return "0 is not in F at the point: every solution leaves it"
 
 
-def _attracts(said: Any, system: System) -> str:
-    if said == "everywhere":
+def _attracts(claim: Any, system: System) -> str:
+    if claim == "everywhere":
         return "every solution tends to the point"
-    if "mesh" in said:
+    if "mesh" in claim:
         kind = NAMES[system.count]
-        return f"every start in one of {len(said['mesh'][kind])} {kind} with W < {said['below']} tends to the point"
-    starts = f"every start with V < {said['below']} within {_cube(said, system)}"
-    return f"{starts} tends to the point, {_function(said, system)}"
+        return f"every start in one of {len(claim['mesh'][kind])} {kind} with W < {claim['below']} tends to the point"
+    starts = f"every start with V < {claim['below']} within {_cube(claim, system)}"
+    return f"{starts} tends to the point, {_function(claim, system)}"
 
 
-def _approaches(said: Any, system: System) -> str:
-    if type(said) is str:
-        starts = "every solution" if said == "everywhere" else "every solution from near the point"
+def _approaches(claim: Any, system: System) -> str:
+    if type(claim) is str:
+        starts = "every solution" if claim == "everywhere" else "every solution from near the point"
         return f"{starts} approaches the set of equilibria"
-    starts = f"every start with V < {said['below']} within {_cube(said, system)}"
-    return f"{starts} approaches the set of equilibria, {_function(said, system)}"
+    starts = f"every start with V < {claim['below']} within {_cube(claim, system)}"
+    return f"{starts} approaches the set of equilibria, {_function(claim, system)}"
 
 
-def _arrives(said: Any, system: System) -> str:
-    if type(said) is str:
-        return f"every solution arrives {said}"
+def _arrives(claim: Any, system: System) -> str:
+    if type(claim) is str:
+        return f"every solution arrives {claim}"
     away = _away(system.states, system.at)
-    sizes = [f"abs({own})" + (f"^(1/{q})" if q > 1 else "") for own, q in zip(away, said["orders"], strict=True)]
-    size = " + ".join(map(_times, said["size"], sizes))
-    power = "" if said["power"] == 1 else f"^{said['power']}"
+    sizes = [f"abs({x})" + (f"^(1/{q})" if q > 1 else "") for x, q in zip(away, claim["orders"], strict=True)]
+    size = " + ".join(map(_times, claim["size"], sizes))
+    power = "" if claim["power"] == 1 else f"^{claim['power']}"
     whole = size if len(sizes) == 1 and not power else f"({size}){power}"
-    return f"every solution is at the point after {_factor(said['factor'])} {whole} at the latest"
+    return f"every solution is at the point after {_factor(claim['factor'])} {whole} at the latest"
 
 
-def _outside(said: Any, system: System) -> str:
-    if "ends" in said:
-        return f"no start to the right of a line of {len(said['corners']) + 1} sides, or on it, comes to the point"
-    where = "outside of" if is_counterclockwise(list(map(place_of, said["corners"]))) else "inside"
-    return f"no start {where} a polygon of {len(said['corners'])} sides, or on it, comes to the point"
+def _outside(claim: Any, system: System) -> str:
+    if "ends" in claim:
+        return f"no start to the right of a line of {len(claim['corners']) + 1} sides, or on it, comes to the point"
+    where = "outside of" if is_counterclockwise(list(map(place_of, claim["corners"]))) else "inside"
+    return f"no start {where} a polygon of {len(claim['corners'])} sides, or on it, comes to the point"
 
 
-def _rate(said: Any, system: System) -> str:
-    power = {"finite": "", "exponential": "V", "algebraic": "V**2"}[said["kind"]]
-    fall = power if power and said["kappa"] == "1" else f"{said['kappa']} {power}".rstrip()
-    where = "the whole space" if said["within"] is None else _cube(said, system)
-    below = f" where V < {said['below']}" if "below" in said else ""
-    rise = f" + {said['gamma']} |{_disturbance(system)}|" if "gamma" in said else ""
-    return f"V' <= -{fall}{rise} on {where}{below}, {_function(said, system)}"
+def _rate(claim: Any, system: System) -> str:
+    power = {"finite": "", "exponential": "V", "algebraic": "V**2"}[claim["kind"]]
+    fall = power if power and claim["kappa"] == "1" else f"{claim['kappa']} {power}".rstrip()
+    where = "the whole space" if claim["within"] is None else _cube(claim, system)
+    below = f" where V < {claim['below']}" if "below" in claim else ""
+    rise = f" + {claim['gamma']} |{_disturbance(system)}|" if "gamma" in claim else ""
+    return f"V' <= -{fall}{rise} on {where}{below}, {_function(claim, system)}"
 
 
-def _gain(said: Any, system: System) -> str:
-    return f"with x' in F + {_disturbance(system)}: {_rate(said, system)}"
+def _gain(claim: Any, system: System) -> str:
+    return f"with x' in F + {_disturbance(system)}: {_rate(claim, system)}"
 
 
 def _disturbance(system: System) -> str:
@@ -196,9 +196,9 @@ def _disturbance(system: System) -> str:
     return next(letter for letter in "dwuvqprstabcefgh" if letter not in system.coordinates)
 
 
-def _cube(said: Any, system: System) -> str:
+def _cube(claim: Any, system: System) -> str:
     away = _away(system.coordinates, system.origin)
-    return f"{', '.join(f'abs({own})' for own in away)} <= {said['within']}"
+    return f"{', '.join(f'abs({x})' for x in away)} <= {claim['within']}"
 
 
 def _away(names: Sequence[str], point: Sequence[Any]) -> list[str]:
@@ -206,11 +206,11 @@ def _away(names: Sequence[str], point: Sequence[Any]) -> list[str]:
     return [f"{name} - {_coordinate(at)}" if at else name for name, at in zip(names, point, strict=True)]
 
 
-def _function(said: Any, system: System) -> str:
-    own, bottom = said["function"], said.get("denominator")
-    words = f"V = {own}" if type(own) is str else f"V in {len(own)} pieces"
+def _function(claim: Any, system: System) -> str:
+    function, bottom = claim["function"], claim.get("denominator")
+    words = f"V = {function}" if type(function) is str else f"V in {len(function)} pieces"
     if bottom is not None:
-        words = f"V = ({own})/({bottom})" if type(own) is str else f"{words}, each over {bottom}"
+        words = f"V = ({function})/({bottom})" if type(function) is str else f"{words}, each over {bottom}"
     return f"{words} of the displacement" if any(system.origin) else words
 
 

@@ -68,7 +68,7 @@ class Escape:
         require(self.domain.bounded, "a cube")
         self.surfaces = Surfaces(self.domain, listed, [], proofs)
         self.signs = read_all_signs(signs, len(self.surfaces.listed), "-0+")
-        self.forms = [self._polynomial(own) for own in items(along, most=self.count)]
+        self.forms = [self._polynomial(formula) for formula in items(along, most=self.count)]
         self._read_subspace()
         self.mixture = [self._weighted(entry) for entry in items(mixture, most=MAX_FIELDS)]
         self.rise = self._polynomial(function)
@@ -87,22 +87,22 @@ class Escape:
         self.zero = [j for j, sign in enumerate(self.signs) if not sign]
         listed = self.surfaces.listed
         self.forms += [listed[j] for j in self.zero if listed[j].degree == 1]
-        require(all(own.degree == 1 and not own.at_origin for own in self.forms), "linear forms, zero on a subspace")
+        require(all(form.degree == 1 and not form.at_origin for form in self.forms), "linear forms, zero on a subspace")
         coordinates = solve(self.forms, self.count)
         self.coordinates = coordinates or ()
         self.dimension = self.coordinates[0].count
         self.curved = [listed[j] for j in self.zero if self._on(listed[j])]
         require(len(self.curved) <= 1, "at most one curved surface beside linear ones")
-        for own in map(self._on, self.curved):
-            regular = any(own.slope(k) for k in range(self.dimension))
-            require(regular and not own.at_origin, "a curved surface with a tangent plane at the point")
+        for surface in map(self._on, self.curved):
+            regular = any(surface.slope(k) for k in range(self.dimension))
+            require(regular and not surface.at_origin, "a curved surface with a tangent plane at the point")
 
     def _weighted(self, entry: Any) -> Weighted:
         cell, rhs, weight, toward = items(entry, 4)
         signs = read_all_signs(cell, len(self.signs), "-+")
         require(all(a == b for a, b in zip(signs, self.signs, strict=True) if b), "cells beside the subspace")
         fields = [  # all of them are read, so that a system with one that is no formula is refused
-            tuple(own.on(lambda value: self.surfaces.sign_on(signs, value)) for own in side)
+            tuple(formula.on(lambda value: self.surfaces.sign_on(signs, value)) for formula in side)
             for side in self.system.fields(self.domain.place)
         ]
         field = fields[whole(rhs, len(fields) - 1)]
@@ -116,42 +116,42 @@ class Escape:
     def _guards(self) -> dict[str, Polynomial]:
         """The cube, the barriers and W are not negative on the closure of U; a curved surface is zero there."""
         named = {f"s{i}": p for i, (p, _) in enumerate(self.barriers)} | {"sw": self.rise}
-        for own in self.curved:
-            named |= {"sg": own, "sh": -own}
-        inside = {name: self._on(own) for name, own in named.items()}
-        kept = {name: own for name, own in inside.items() if own.degree}
-        return {**cube_guards(self.coordinates, self.dimension), **kept}
+        for surface in self.curved:
+            named |= {"sg": surface, "sh": -surface}
+        inside = {name: self._on(guard) for name, guard in named.items()}
+        guards = {name: guard for name, guard in inside.items() if guard.degree}
+        return {**cube_guards(self.coordinates, self.dimension), **guards}
 
     def show(self, name: str, value: Polynomial, *, strict: bool) -> None:
         """A polynomial is positive, or not negative, on the closure of U off the point."""
-        own = self._on(value)
-        if not own.degree:
-            require(own.at_origin > 0 or (not strict and not own.at_origin), name)
+        restriction = self._on(value)
+        if not restriction.degree:
+            require(restriction.at_origin > 0 or (not strict and not restriction.at_origin), name)
             return
         counted = frozenset(self.guards) - {"sg", "sh"}
-        self.proofs.show(Claim(name, (Inequality(own, self.guards, open=counted),), strict))
+        self.proofs.show(Claim(name, (Inequality(restriction, self.guards, open=counted),), strict))
 
     def show_cells(self) -> None:
         """U lies inside the closures of the cells: a surface has its sign there, or vanishes and is left behind."""
         inside = [self.rise, *(p for p, _ in self.barriers)]
         for j, (sign, surface) in enumerate(zip(self.signs, self.surfaces.listed, strict=True)):
             signed = surface.times(sign)
-            if sign and not any(is_multiple(signed, own) for own in inside):
+            if sign and not any(is_multiple(signed, function) for function in inside):
                 self.show(f"surface {j}", signed, strict=True)
-        for k, own in enumerate(self.mixture):
+        for k, term in enumerate(self.mixture):
             for j in self.zero:
-                away = lie_derivative(self.surfaces.listed[j], own.toward).times(own.signs[j])
+                away = lie_derivative(self.surfaces.listed[j], term.toward).times(term.signs[j])
                 self.show(f"beside {k} {j}", away, strict=True)
 
     def show_mixture(self) -> tuple[Polynomial, ...]:
         """The weights are those of a mixture, which is tangent to S: the field h."""
         total, field = constant(self.count, 0), [constant(self.count, 0)] * self.count
-        for k, own in enumerate(self.mixture):
-            self.show(f"weight {k}", own.weight, strict=False)
-            total += own.weight
-            field = [part + own.weight * speed for part, speed in zip(field, own.field, strict=True)]
+        for k, term in enumerate(self.mixture):
+            self.show(f"weight {k}", term.weight, strict=False)
+            total += term.weight
+            field = [part + term.weight * speed for part, speed in zip(field, term.field, strict=True)]
         self.show("weights", total, strict=True)
-        tangent = all(not self._on(lie_derivative(own, field)) for own in (*self.forms, *self.curved))
+        tangent = all(not self._on(lie_derivative(function, field)) for function in (*self.forms, *self.curved))
         require(tangent, "a mixture that is tangent to the subspace")
         return tuple(field)
 
@@ -162,12 +162,12 @@ class Escape:
 
     def show_start(self) -> None:
         """U has points at all small distances: S has a curve in the direction, where the lowest terms are positive."""
-        for own in (*self.forms, *self.curved):
-            slope = sum(own.slope(k) * d for k, d in enumerate(self.direction))
+        for function in (*self.forms, *self.curved):
+            slope = sum(function.slope(k) * d for k, d in enumerate(self.direction))
             require(not slope, "a direction along the subspace")
         require(not self._on(self.rise).at_origin, "a function that is zero at the point")
-        for own in (self.rise, *(p for p, _ in self.barriers)):
-            require(own.lowest_at(self.direction) > 0, "barriers and a function that are positive in the direction")
+        for value in (self.rise, *(p for p, _ in self.barriers)):
+            require(value.lowest_at(self.direction) > 0, "barriers and a function that are positive in the direction")
 
 
 def show_escape(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
@@ -178,21 +178,21 @@ def show_escape(system: System, hypotheses: Any, proofs: Proofs) -> list[Stateme
     that leads into the cell), ``barriers`` (p and lambda), ``function`` (W), a ``direction`` in U, and perhaps a
     ``speed``.
     """
-    own = Escape(system, hypotheses, proofs)
-    own.show_start()
-    own.show_cells()
-    field = own.show_mixture()
-    for i, (barrier, factor) in enumerate(own.barriers):
-        own.show(f"barrier {i}", lie_derivative(barrier, field) - factor * barrier, strict=False)
-    own.show_rises(field)
+    escape = Escape(system, hypotheses, proofs)
+    escape.show_start()
+    escape.show_cells()
+    field = escape.show_mixture()
+    for i, (barrier, factor) in enumerate(escape.barriers):
+        escape.show(f"barrier {i}", lie_derivative(barrier, field) - factor * barrier, strict=False)
+    escape.show_rises(field)
     return [{"stability": UNSTABLE}]
 
 
 def read_all_signs(data: Any, size: int, allowed: str) -> tuple[int, ...]:
     """The signs of all surfaces from a text."""
-    own = text(data)
-    require(len(own) == size and set(own) <= set(allowed), f"a sign of {allowed} for each surface")
-    return tuple("-0+".index(mark) - 1 for mark in own)
+    marks = text(data)
+    require(len(marks) == size and set(marks) <= set(allowed), f"a sign of {allowed} for each surface")
+    return tuple("-0+".index(mark) - 1 for mark in marks)
 
 
 def is_multiple(value: Polynomial, other: Polynomial) -> bool:

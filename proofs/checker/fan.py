@@ -136,8 +136,8 @@ class Fan:
         return Outcome.INWARD if side < 0 and not mixed else Outcome.OPEN
 
     def _crossings(self, cone: Cone, sense: int) -> list[Crossing]:
-        found = (self._crossing(cone, twist, sense) for twist in cone.twists)
-        return [step for step in found if step is not None]
+        crossings = (self._crossing(cone, twist, sense) for twist in cone.twists)
+        return [step for step in crossings if step is not None]
 
     def _crossing(self, cone: Cone, twist: Vector, sense: int) -> Crossing | None:
         """How a motion crosses a cone, or None; along its circle ``c x v + omega |c|^2 / 2`` does not change.

@@ -28,11 +28,11 @@ def show_feedback(cells: Cells, proofs: Proofs) -> tuple[str | None, Any]:
     """
     evidence, array = proofs.evidence_if_any("feedback"), cells.array
     acting = {k for motion in cells.here for _, k in motion.rows}
-    wheels = [own for k, own in array.wheels.items() if array.rule == BOX or k in acting]
-    if max((across - along).sign() for along, across in (own.friction for own in wheels)) >= 0:
+    wheels = [wheel for k, wheel in array.wheels.items() if array.rule == BOX or k in acting]
+    if max((across - along).sign() for along, across in (wheel.friction for wheel in wheels)) >= 0:
         require(evidence is None, "no evidence of a clause that does not apply")
         return NOT_APPLICABLE, None
-    drives = [own.drive for own in wheels if own.drive is not None]
+    drives = [wheel.drive for wheel in wheels if wheel.drive is not None]
     followed = all(drives) if array.rule == BOX else not drives and _are_pairs(cells)
     if not followed or evidence is None:
         require(evidence is None, "feedback of wheels that are followed")
@@ -62,8 +62,8 @@ def _show_plane(cells: Cells, data: Any) -> None:
     for a, b in _pairs_of_edges(cells):
         twist = normal_to(a, b)
         off = dot(normal, twist).sign()
-        held = not off or (cells.array.rule == BOX and not _is_imposed(cells, twist, strictly=False))
-        require(held, "a plane of all motions")
+        allowed = not off or (cells.array.rule == BOX and not _is_imposed(cells, twist, strictly=False))
+        require(allowed, "a plane of all motions")
 
 
 def _pairs_of_edges(cells: Cells) -> Iterator[tuple[Vector, Vector]]:
@@ -194,10 +194,10 @@ def _falls_on(
     share = kappa * d * d
 
     def entry(i: int, j: int) -> Number:
-        found = weight * (gains[0][i] * gains[0][j] + gains[1][i] * gains[1][j])
+        value = weight * (gains[0][i] * gains[0][j] + gains[1][i] * gains[1][j])
         if i < 2 and j < 2:
-            return found - share * weight * dot(images[i], rays[j])
-        return found - share if i == j else found
+            return value - share * weight * dot(images[i], rays[j])
+        return value - share if i == j else value
 
     corner = entry(2, 2)
     s11, s12, s22 = (corner * entry(i, j) - entry(i, 2) * entry(j, 2) for i, j in ((0, 0), (0, 1), (1, 1)))

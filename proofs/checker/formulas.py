@@ -45,21 +45,21 @@ WaveAt: TypeAlias = Callable[[str, Polynomial, int], Polynomial]  # a wave of a 
 def series(name: str, v: Polynomial, e: int, order: int = 0) -> Polynomial:
     """A wave of a polynomial with ``e`` at 0 or 1, which weighs the last term."""
     numbers = coefficients(name, TERMS[name] + order)
-    own = v if name in ("sin", "tanh", "atan") else constant(v.count, 1)
+    power = v if name in ("sin", "tanh", "atan") else constant(v.count, 1)
     step, total = v if name == "exp" else v * v, constant(v.count, 0)
     for number in numbers[:-1]:
-        total += own.times(number)
-        own *= step
-    return total + own.times(numbers[-1] * e)
+        total += power.times(number)
+        power *= step
+    return total + power.times(numbers[-1] * e)
 
 
 def coefficients(name: str, count: int) -> list[Fraction]:
     """Of the powers that occur in a series; those of tanh by ``tanh' = 1 - tanh^2``."""
     if name == "tanh":
-        found = [Fraction(1)]
+        numbers = [Fraction(1)]
         for k in range(1, count):
-            found.append(-sum((found[i] * found[k - 1 - i] for i in range(k)), Fraction(0)) / (2 * k + 1))
-        return found
+            numbers.append(-sum((numbers[i] * numbers[k - 1 - i] for i in range(k)), Fraction(0)) / (2 * k + 1))
+        return numbers
     if name == "atan":
         return [Fraction((-1) ** k, 2 * k + 1) for k in range(count)]
     if name == "exp":
@@ -109,9 +109,9 @@ class Formula:
         self.count = next(iter(states.values())).count
         self.tree = parsed(self.text)
         waves = waves_in(self.tree)
-        own = [0] * len(waves) if ends is None else ends
-        require(len(waves) == len(own), "sines and cosines in right-hand sides alone")
-        self.ends = dict(zip(waves, own, strict=True))
+        wave_ends = [0] * len(waves) if ends is None else ends
+        require(len(waves) == len(wave_ends), "sines and cosines in right-hand sides alone")
+        self.ends = dict(zip(waves, wave_ends, strict=True))
         self.smooth = parts_without_calls(self.tree)
         self._known: dict[ast.expr, Polynomial] = {}
 
@@ -131,10 +131,10 @@ class Formula:
         """The polynomial of a part; of one without calls it is kept, as all cells ask for it."""
         if node in self._known:
             return self._known[node]
-        found = self._built(node, sign_of, depth)
+        polynomial = self._built(node, sign_of, depth)
         if node in self.smooth:
-            self._known[node] = found
-        return found
+            self._known[node] = polynomial
+        return polynomial
 
     def _built(self, node: ast.expr, sign_of: SignOf, depth: int) -> Polynomial:
         require(depth > 0, f"formulas of at most {MAX_DEPTH} nested operations")
@@ -157,17 +157,17 @@ class Formula:
                 require(known, "exp of minus a sum of even powers")
                 return self.wave(name, self._value(argument, sign_of, depth - 1), self.ends[node])
             case ast.Call(func=ast.Name(), keywords=[]):
-                own = self.smooth.issuperset(node.args) or not waves_in(*node.args)
-                require(own, "no sine or cosine inside a switching function")
+                without_waves = self.smooth.issuperset(node.args) or not waves_in(*node.args)
+                require(without_waves, "no sine or cosine inside a switching function")
                 values = [self._value(argument, sign_of, depth - 1) for argument in node.args]
                 return switched(node.func.id, values, sign_of)  # type: ignore[attr-defined]
         raise RejectedError("formulas of sums, products, powers and switching functions")
 
     def _number(self, node: ast.Constant) -> Fraction:
-        own = self.text[node.col_offset : node.end_col_offset]
-        BUDGET.spend(1 + len(own) ** 2 // 4096)
-        require(DECIMAL.fullmatch(own) and len(own) <= MAX_DIGITS, "numbers as decimals")
-        return Fraction(own)
+        digits = self.text[node.col_offset : node.end_col_offset]
+        BUDGET.spend(1 + len(digits) ** 2 // 4096)
+        require(DECIMAL.fullmatch(digits) and len(digits) <= MAX_DIGITS, "numbers as decimals")
+        return Fraction(digits)
 
     def _operation(self, node: ast.BinOp, sign_of: SignOf, depth: int) -> Polynomial:
         left = self._value(node.left, sign_of, depth)
@@ -230,12 +230,12 @@ class Decimal(float):
 @lru_cache
 def parts_without_calls(tree: ast.expr, switching: Collection[str] = ()) -> set[ast.AST]:
     """The parts of a formula that hold no sine or cosine, and nothing that switches, as some names may do."""
-    found: set[ast.AST] = set()
+    parts: set[ast.AST] = set()
     for node in reversed(list(ast.walk(tree))):  # what a part consists of comes before it
         switches = isinstance(node, ast.Call) or (isinstance(node, ast.Name) and node.id in switching)
-        if not switches and found.issuperset(ast.iter_child_nodes(node)):
-            found.add(node)
-    return found
+        if not switches and parts.issuperset(ast.iter_child_nodes(node)):
+            parts.add(node)
+    return parts
 
 
 @lru_cache

@@ -32,14 +32,14 @@ from .work import BUDGET, items, rational, require
 
 def show_homogeneous(system: System, cells: Any, weights: Any, proofs: Proofs, verdict: str) -> list[Statement]:
     """What follows from a verdict that is shown; see the head of this file."""
-    own = [rational(weight) for weight in items(weights, system.count)]
-    require(min(own) > 0, "positive weights")
+    fractions = [rational(weight) for weight in items(weights, system.count)]
+    require(min(fractions) > 0, "positive weights")
     require(verdict == ASYMPTOTICALLY_STABLE, "a point that attracts")
     inclusion = Inclusion(system.stated, cells, ["0"], proofs)
     require(not inclusion.domain.bounded, "the whole space")
-    degree = degree_of(inclusion, own)
-    shown: list[Statement] = [{"stability": verdict}, {"attracts": "everywhere"}]
-    return [*shown, {"arrives": "in finite time"}] if degree < 0 else shown
+    degree = degree_of(inclusion, fractions)
+    conclusions: list[Statement] = [{"stability": verdict}, {"attracts": "everywhere"}]
+    return [*conclusions, {"arrives": "in finite time"}] if degree < 0 else conclusions
 
 
 def degree_of(inclusion: Inclusion, weights: Sequence[Fraction]) -> Fraction:
@@ -49,12 +49,12 @@ def degree_of(inclusion: Inclusion, weights: Sequence[Fraction]) -> Fraction:
         RejectedError: where it is not.
     """
     for surface in inclusion.surfaces.listed:
-        require(len({weight_of(own, weights) for own in surface.terms}) == 1, "surfaces whose terms have one weight")
+        require(len({weight_of(e, weights) for e in surface.terms}) == 1, "surfaces whose terms have one weight")
     degrees = set()
     for cell in inclusion.cells:
         for _, field in cell.fields:
             for order, weight, part in zip(inclusion.domain.system.orders, weights, field, strict=True):
-                degrees |= {weight_of(own, weights) - order * weight for own in part.terms}
+                degrees |= {weight_of(e, weights) - order * weight for e in part.terms}
     require(len(degrees) == 1, "velocities whose terms have the weights of one degree")
     return degrees.pop()
 

@@ -60,9 +60,9 @@ ZERO, ONE = Interval(0, 0), Interval(GRID, GRID)
 
 def interval(number: Number) -> Interval:
     """Bounds of an exact number, which must be smaller than G."""
-    found = Interval(*number.enclosure(BITS))
-    require(found.size < GRID * GRID, "numbers of moderate size")
-    return found
+    enclosure = Interval(*number.enclosure(BITS))
+    require(enclosure.size < GRID * GRID, "numbers of moderate size")
+    return enclosure
 
 
 @dataclass(frozen=True, slots=True)

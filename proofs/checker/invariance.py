@@ -64,20 +64,20 @@ class Bound:
 
     def places(self) -> list[Face]:
         """The parts of the face on which the bound is zero, but the point alone and what does not meet the cube."""
-        found = [self.face]
+        places = [self.face]
         for bases in self.terms:
-            found = list(_different(part for place in found for base in bases for part in vanishing(place, base)))
-            require(len(found) <= MAX_PLACES, f"zeros of a bound in at most {MAX_PLACES} parts")
-        return [place for place in found if not place.is_outside]
+            places = list(_different(part for place in places for base in bases for part in vanishing(place, base)))
+            require(len(places) <= MAX_PLACES, f"zeros of a bound in at most {MAX_PLACES} parts")
+        return [place for place in places if not place.is_outside]
 
 
 def _different(places: Iterator[Face]) -> Iterator[Face]:
     """Each part once."""
-    seen = set()
+    coordinates = set()
     for place in places:
         BUDGET.spend(100)
-        if place.coordinates not in seen:
-            seen.add(place.coordinates)
+        if place.coordinates not in coordinates:
+            coordinates.add(place.coordinates)
             yield place
 
 
@@ -87,16 +87,16 @@ def vanishing(place: Face, base: Polynomial) -> Iterator[Face]:
     Raises:
         RejectedError: for a polynomial there that cannot be solved for one variable.
     """
-    own = place.restricted(base)
-    if not own.degree:
-        if not own:
+    value = place.restricted(base)
+    if not value.degree:
+        if not value:
             yield place
         return
-    alone = [k for k in range(own.count) if own.slope(k) and sum(bool(e[k]) for e in own.terms) == 1]
+    alone = [k for k in range(value.count) if value.slope(k) and sum(bool(e[k]) for e in value.terms) == 1]
     require(alone, "zeros of a bound that can be solved for a variable")
     k, size = alone[0], place.dimension - 1
     others = [variable(size, i - (i > k)) if i != k else constant(size, 0) for i in range(place.dimension)]
-    solved = [*others[:k], own.on(others, size).times(-1 / own.slope(k)), *others[k + 1 :]]
+    solved = [*others[:k], value.on(others, size).times(-1 / value.slope(k)), *others[k + 1 :]]
     yield replace(place, coordinates=tuple(form.on(solved, size) for form in place.coordinates), dimension=size)
 
 
@@ -148,10 +148,10 @@ class Chain(Lyapunov):
         if len(path) == len(cells[0].functions):
             self.leave(name, place, cells)
             return
-        own = step_name(name, path)
-        if path and self.is_left_out(own, place):
+        claim_name = step_name(name, path)
+        if path and self.is_left_out(claim_name, place):
             return
-        bound = self.bound(own, len(path), place, cells)
+        bound = self.bound(claim_name, len(path), place, cells)
         if bound is not None:
             self.proofs.are_forms = self.proofs.are_forms and bound.are_linear
         least = constant(place.dimension, 0) if bound is None else bound.value
@@ -159,7 +159,7 @@ class Chain(Lyapunov):
         if not inequalities:
             return
         away = not place.holds_origin
-        self.proofs.show(Claim(own, inequalities, bound is None, away, self.bounded, self.border))
+        self.proofs.show(Claim(claim_name, inequalities, bound is None, away, self.bounded, self.border))
         for number, part in enumerate([] if bound is None else bound.places()):
             self.show_step(name, (*path, number), part, cells)
 
@@ -187,13 +187,13 @@ class Chain(Lyapunov):
             free = frozenset(guards) if inside else frozenset[str]()
             side = tuple(cell.signs[j] for j in place.zero)
             for _, field in cell.fields:
-                earlier = tuple(self.rate(place, own, field) for own in rising[:step])
+                earlier = tuple(self.rate(place, function, field) for function in rising[:step])
                 value = self.rate(place, rising[step], field) - least
                 pushes = tuple(self.rate(place, self.inclusion.surfaces.listed[j], field) for j in place.zero)
                 if len(pushes) > 1:
                     pushes += earlier
-                known = {} if pushes else {f"sv{k}": -rate for k, rate in enumerate(earlier) if rate.degree}
-                yield Inequality(value, {**guards, **known}, pushes, place.zeros(), side, earlier, free)
+                rate_guards = {} if pushes else {f"sv{k}": -rate for k, rate in enumerate(earlier) if rate.degree}
+                yield Inequality(value, {**guards, **rate_guards}, pushes, place.zeros(), side, earlier, free)
 
     def rate(self, place: Face, function: Polynomial, field: Sequence[Polynomial]) -> Polynomial:
         """The derivative of a function along a field, on a face."""

@@ -62,8 +62,8 @@ class Lyapunov:
 
     def potential(self, cell: Cell) -> Polynomial:
         """V on a cell; with a denominator P, and with a logarithm the sum of Q and P."""
-        own = self.listed(cell)
-        return own if self.inside is None else own + self.inside
+        polynomial = self.listed(cell)
+        return polynomial if self.inside is None else polynomial + self.inside
 
     def listed(self, cell: Cell) -> Polynomial:
         """The first of the functions of a cell."""
@@ -75,7 +75,7 @@ class Lyapunov:
         require(low > 0 or (not low and bottom.is_form), "a denominator that is a form, or positive at the point")
         inside = Inequality(bottom, whole_domain(self.inclusion).guards({}) or {})
         self.proofs.show(Claim("denominator", (inside,), strict=True, bounded=self.bounded))
-        lowest = [sum(own) for cell in self.inclusion.around() for own in self.potential(cell).terms]
+        lowest = [sum(exponents) for cell in self.inclusion.around() for exponents in self.potential(cell).terms]
         require(low or min(lowest, default=0) > bottom.degree, "a V that is zero at the point")
         self.bottom = bottom
 
@@ -90,11 +90,11 @@ class Lyapunov:
 
     def derivative(self, cell: Cell, field: Sequence[Polynomial]) -> Polynomial:
         """V' along a field, times ``1 + P``, or times the square of the denominator."""
-        own = self.listed(cell)
-        found = self.inclusion.along(field, own, cell)
+        p = self.listed(cell)
+        derivative = self.inclusion.along(field, p, cell)
         if self.inside is not None:
-            return found + found * self.inside + lie_derivative(self.inside, field)
-        return found if self.bottom is None else found * self.bottom - own * lie_derivative(self.bottom, field)
+            return derivative + derivative * self.inside + lie_derivative(self.inside, field)
+        return derivative if self.bottom is None else derivative * self.bottom - p * lie_derivative(self.bottom, field)
 
     def above(self, cell: Cell, level: Fraction) -> Polynomial:
         """``V - level``, times the denominator."""
@@ -154,26 +154,26 @@ class Lyapunov:
 
     def _guards(self, face: Face, signs: SurfaceSigns, cell: Cell) -> dict[str, Polynomial] | None:
         """Guards of surfaces and cube on a face, and that V is below the level; None where one is a negative number."""
-        found = face.guards(signs)
-        if found is None or self.below is None:
-            return found
-        own = -face.restricted(self.above(cell, self.below))
-        if own.degree:
-            return {**found, "sl": own}
-        return found if own.at_origin > 0 else None
+        guards = face.guards(signs)
+        if guards is None or self.below is None:
+            return guards
+        guard = -face.restricted(self.above(cell, self.below))
+        if guard.degree:
+            return {**guards, "sl": guard}
+        return guards if guard.at_origin > 0 else None
 
     @cached_property
     def bends(self) -> list[tuple[Face, str, list[Cell]]]:
         """The parts of faces on which claims about closed cells do not suffice, by name, with the cells beside them."""
-        found = []
+        bends = []
         for face in self.inclusion.faces():
             zero = pattern(0 if j in face.zero else None for j in range(len(self.inclusion.surfaces.listed)))
             if self.is_left_out(zero, face):
                 continue
             for name, cells in self._groups(face):
                 if not self._is_settled(face, cells):
-                    found.append((face, name, cells))
-        return found
+                    bends.append((face, name, cells))
+        return bends
 
     def _is_settled(self, face: Face, cells: Sequence[Cell]) -> bool:
         """Whether the claims about closed cells suffice on a face.
@@ -185,7 +185,7 @@ class Lyapunov:
         if all(cell.functions == cells[0].functions for cell in cells):
             return not any(domain.system.bends_at(surfaces[j], domain) for j in face.zero)
         fields = [{tuple(map(face.restricted, field)) for _, field in cell.fields} for cell in cells]
-        return all(own == fields[0] for own in fields)
+        return all(cell_fields == fields[0] for cell_fields in fields)
 
     def is_left_out(self, name: str, face: Face) -> bool:
         """Whether it is shown that the surfaces of a face vanish together at no place but the checked point.
@@ -197,8 +197,8 @@ class Lyapunov:
         if not zeros or (len(zeros) == 1 and face.dimension == self.count):
             return False
         total = constant(face.dimension, 0)
-        for own in zeros:
-            total += own * own
+        for surface in zeros:
+            total += surface * surface
         apart = Inequality(total, face.guards({}) or {})
         away = not face.holds_origin
         return self.proofs.shows(Claim(f"apart {name}", (apart,), strict=True, at_origin=away, bounded=self.bounded))
@@ -218,8 +218,8 @@ class Lyapunov:
         for name, cells in groups.items():
             parts = components(set(map(self.inclusion.signs_of_piece, cells)), self.inclusion.parted)
             for number, part in enumerate(parts):
-                own = [cell for cell in cells if self.inclusion.signs_of_piece(cell) in part]
-                yield (name if len(parts) == 1 else f"{name} part {number}"), own
+                cells_of_part = [cell for cell in cells if self.inclusion.signs_of_piece(cell) in part]
+                yield (name if len(parts) == 1 else f"{name} part {number}"), cells_of_part
 
     def _show_falls_on(
         self, face: Face, name: str, cells: Sequence[Cell], prefix: str, shift: Shift, *, strict: bool
@@ -288,10 +288,10 @@ class Lyapunov:
     def _show_larger(self, name: str, bound: Polynomial, factor: Fraction) -> None:
         """``V + 1`` is at least a bound in the whole space, which grows with a factor."""
         require(not self.bounded and factor > 0, "the whole space, and a positive factor")
-        own = bound if self.bottom is None else bound * self.bottom
+        least = bound if self.bottom is None else bound * self.bottom
         for piece, signs, cell in self.inclusion.pieces():
             guards = self._guards(whole_domain(self.inclusion), signs, cell) or {}
-            above = self.above(cell, Fraction(-1)) - own
+            above = self.above(cell, Fraction(-1)) - least
             self._show_on_cell(f"proper {piece}{name}", above, guards, strict=False)
 
     def is_negative_along(self, direction: Sequence[Fraction]) -> bool:
@@ -309,7 +309,7 @@ class Lyapunov:
 
     def require_all_of_space(self) -> None:
         """What was shown on the cube holds in the whole space: cells are cones, and all claims are about forms."""
-        cones = all(own.degree == 1 and own.is_form for own in self.inclusion.surfaces.listed)
+        cones = all(surface.degree == 1 and surface.is_form for surface in self.inclusion.surfaces.listed)
         require(cones and self.proofs.are_forms, "cones and forms, for the whole space")
 
 

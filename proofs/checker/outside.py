@@ -48,8 +48,8 @@ def show_outside(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     surfaces, unit, corners, ends = take(hypotheses, "surfaces unit corners", "ends")
     require(system.count == 2, "a system in the plane")
     require(not system.numbers, "rational numbers, for a polygon")
-    ring = [place_of(own) for own in items(corners, most=MAX_CORNERS)]
-    directions = [] if ends is None else [place_of(own) for own in items(ends, 2)]
+    ring = [place_of(corner) for corner in items(corners, most=MAX_CORNERS)]
+    directions = [] if ends is None else [place_of(end) for end in items(ends, 2)]
     along_axes = all(abs(x) + abs(y) == 1 for x, y in directions)
     require(bool(ring) and along_axes, "corners, and half-lines along the axes")
     whole = closed(ring, directions[0], directions[1]) if directions else ring
@@ -61,9 +61,9 @@ def show_outside(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
 
 def closed(chain: Sequence[Place], first: Place, last: Place, least: int = 1) -> list[Place]:
     """The polygon of a chain with its half-lines in a square, and the border of the square to the left of it."""
-    half = max(least, 1 + max(abs(own) for place in chain for own in place))
+    half = max(least, 1 + max(abs(coordinate) for place in chain for coordinate in place))
     corners = [(half, half), (-half, half), (-half, -half), (half, -half)]  # each ends a side, counterclockwise
-    enters, leaves = (border_place(*own, half) for own in ((chain[0], first), (chain[-1], last)))
+    enters, leaves = (border_place(*half_line, half) for half_line in ((chain[0], first), (chain[-1], last)))
     begin, end = side_of(leaves, half), side_of(enters, half)
     after = turn((0, 0), leaves, enters) > 0  # on the same side
     count = (end - begin) % 4 if begin != end or after else 4
@@ -72,7 +72,7 @@ def closed(chain: Sequence[Place], first: Place, last: Place, least: int = 1) ->
 
 def border_place(corner: Place, direction: Place, half: int) -> Place:
     """Where a half-line along an axis leaves the square ``|x|, |y| <= half``."""
-    x, y = (half * step if step else own for own, step in zip(corner, direction, strict=True))
+    x, y = (half * step if step else coordinate for coordinate, step in zip(corner, direction, strict=True))
     return x, y
 
 
@@ -100,19 +100,19 @@ def show_rightward(chain: Sequence[Place], ends: Sequence[Place], plane: Plane) 
     else:
         sides.append(((chain[-1], chain[0]), None, rightward(chain[-1], chain[0])))
         before = [sides[-1], *sides]
-    met = {line: plane.touching(*line[:2]) for line in sides}
-    for line, cells in met.items():
+    cells_by_line = {line: plane.touching(*line[:2]) for line in sides}
+    for line, cells in cells_by_line.items():
         require_rightward(plane, cells, line)
     for corner, lines in zip(chain, pairwise(before), strict=True):
         touching = plane.touching((corner,))
         for line in lines:  # of the cells that meet a side this is known at its ends, too
-            require_rightward(plane, touching - met[line], ((corner,), None, line[2]))
+            require_rightward(plane, touching - cells_by_line[line], ((corner,), None, line[2]))
 
 
 def require_rightward(plane: Plane, cells: Iterable[Pattern], line: Line) -> None:
     """The fields of some cells have positive products with the normal on a closed side, a half-line or at a corner."""
     places, direction, (across, up) = line
-    for field in (own for cell in cells for own in plane.fields(cell, places)):
+    for field in (field for cell in cells for field in plane.fields(cell, places)):
         values = field.along((-across, -up)).highest(places, direction)
         known = max(values) < 0
         if direction is not None:  # powers of t: one that is negative, that of 1, is enough
@@ -144,11 +144,11 @@ def require_simple(ring: Sequence[Place]) -> None:
     """
     count = len(ring)
     sides = list(pairwise((*ring, ring[0])))
-    order = sorted(range(count), key=lambda k: min(own[0] for own in sides[k]))
+    order = sorted(range(count), key=lambda k: min(corner[0] for corner in sides[k]))
     active: list[int] = []
     for k in order:
-        left = min(own[0] for own in sides[k])
-        active = [j for j in active if max(own[0] for own in sides[j]) >= left]
+        left = min(corner[0] for corner in sides[k])
+        active = [j for j in active if max(corner[0] for corner in sides[j]) >= left]
         BUDGET.spend(1 + len(active))
         for j in active:
             require(not meet(sides[j], sides[k], (k - j) % count, (j - k) % count), "sides that do not meet")

@@ -96,7 +96,7 @@ class Replaced:
         centre = constant(count, self.at[self.name])
         if self.surface is None or self.slope is None:
             return centre
-        away = {name: own - constant(count, self.at.get(name, 0)) for name, own in place.items()}
+        away = {name: polynomial - constant(count, self.at.get(name, 0)) for name, polynomial in place.items()}
         rest = Formula(self.surface, {**away, self.name: constant(count, 0)}).on(no_switching)
         return centre - rest.times(1 / self.slope)
 
@@ -120,10 +120,10 @@ class Part(System):
 
     def whole(self, place: Place) -> dict[str, Polynomial]:
         """A place with the states that are replaced."""
-        known = dict(place)
-        for own in reversed(self.replaced):
-            known[own.name] = own.value(known)
-        return known
+        whole_place = dict(place)
+        for state in reversed(self.replaced):
+            whole_place[state.name] = state.value(whole_place)
+        return whole_place
 
 
 @dataclass(frozen=True)
@@ -145,11 +145,11 @@ def part_of(
     return part
 
 
-def require_continuous(system: System, part: Part, known: set[str]) -> None:
+def require_continuous(system: System, part: Part, replaced: set[str]) -> None:
     """The formulas of a part of a system jump with none of the states that are replaced."""
     for tree in trees(part):
         for call in jumps(tree):
-            require(not depends_on(system, call) & known, "formulas that are continuous in what is replaced")
+            require(not depends_on(system, call) & replaced, "formulas that are continuous in what is replaced")
 
 
 def require_crossing(part: Part, *, continuous: bool) -> None:
@@ -164,13 +164,13 @@ def require_crossing(part: Part, *, continuous: bool) -> None:
     pairs = zip(part.states, part.at, strict=True)
     numbers = {name: constant(count, number) for name, number in part.numbers.items()}
     place = {name: variable(count, k) + constant(count, at) for k, (name, at) in enumerate(pairs)}
-    known = part.whole(place | numbers)
+    whole_place = part.whole(place | numbers)
     calls = {ast.unparse(call.args[0]) for tree in trees(part) for call in jumps(tree)}
     forms = [
-        RootedFormula(own, known, (), series, {}, ()).on(sign_of_number)
+        RootedFormula(argument, whole_place, (), series, {}, ()).on(sign_of_number)
         if continuous
-        else Formula(own, known).on(no_switching)
-        for own in sorted(calls)
+        else Formula(argument, whole_place).on(no_switching)
+        for argument in sorted(calls)
     ]
     require(all(form.degree == 1 for form in forms), OF_FIRST_DEGREE)
     common = solve([form - constant(count, form.at_origin) for form in forms], count) or ()
@@ -185,7 +185,7 @@ def sign_of_number(value: Polynomial) -> int:
 
 def trees(system: System) -> Iterator[ast.expr]:
     """The right-hand sides."""
-    return (parsed(own) for side in system.rhs for own in side)
+    return (parsed(formula) for side in system.rhs for formula in side)
 
 
 def jumps(node: ast.AST) -> Iterator[ast.Call]:
@@ -238,10 +238,10 @@ def names_in(tree: ast.AST) -> set[str]:
 
 def depends_on(system: System, tree: ast.AST) -> set[str]:
     """The states that a formula of a system holds, also where one stands for others."""
-    found = names_in(tree)
-    for own in system.replaced if isinstance(system, Part) else ():
-        found = own.expanded(found)
-    return found & set(system.states)
+    names = names_in(tree)
+    for state in system.replaced if isinstance(system, Part) else ():
+        names = state.expanded(names)
+    return names & set(system.states)
 
 
 def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
@@ -253,7 +253,7 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     (listed,) = take(hypotheses, "parts")
     require_formulas(system)
     at = dict(zip(system.states, system.at, strict=True))
-    known: list[str] = []
+    earlier: list[str] = []
     fading = set[str]()  # states of parts that come to the point so fast that what they carry hardly moves
     verdicts, pushed = set(), False  # whether others drive a part that only rests without them
     ordered = items(listed, most=system.count)
@@ -261,19 +261,19 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
         names, entry, *more = take(one, "states entry", "carried leaves jumps roots orders")
         carried, leaves, jumping, listed_roots, orders = more
         chosen = [text(name) for name in items(names, most=system.count)]
-        require(chosen and set(chosen) <= set(system.states) - set(known), "states of parts that are no others'")
+        require(chosen and set(chosen) <= set(system.states) - set(earlier), "states of parts that are no others'")
         require(len(set(chosen)) == len(chosen), "different states")
         roots = roots_of_part(system, chosen, listed_roots, orders)
-        part = part_of(system, chosen, [Replaced(name, at) for name in known], roots)
+        part = part_of(system, chosen, [Replaced(name, at) for name in earlier], roots)
         if jumping is None:
-            require_continuous(system, part, set(known))
+            require_continuous(system, part, set(earlier))
         else:
             known_word = jumping is True or jumping == CONTINUOUS
             require(known_word and carried is None, "parts that jump with others, and are not carried")
             require_crossing(part, continuous=jumping == CONTINUOUS)
-        drivers = set[str]().union(*(depends_on(system, tree) for tree in trees(part))) & set(known)
-        alone, shown = not drivers, shown_of(part, entry, proofs)
-        verdict = stability_in(shown)
+        drivers = set[str]().union(*(depends_on(system, tree) for tree in trees(part))) & set(earlier)
+        alone, conclusions = not drivers, shown_of(part, entry, proofs)
+        verdict = stability_in(conclusions)
         if verdict == UNSTABLE:
             driven = leaves is True and len(system.rhs) == 1
             require(alone or driven, "an unstable part by itself, or that leaves with one right-hand side")
@@ -286,11 +286,13 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
             require(carried is True and drivers <= fading, "a part that is carried by what comes fast to the point")
             require(not roots_of(system), "carried parts without roots of states")
             require_smooth(entry)
-        if alone and any("rate" in own and own["rate"]["kind"] != "algebraic" for own in shown):
+        if alone and any(
+            "rate" in conclusion and conclusion["rate"]["kind"] != "algebraic" for conclusion in conclusions
+        ):
             fading |= set(chosen)
         verdicts.add(verdict)
-        known += chosen
-    require(len(known) == system.count, "parts with all states")
+        earlier += chosen
+    require(len(earlier) == system.count, "parts with all states")
     require(not pushed, "parts that attract, or hold no states of others")
     return [{"stability": STABLE if STABLE in verdicts else ASYMPTOTICALLY_STABLE}]
 
@@ -345,7 +347,7 @@ def show_sliding(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
             require(lie_derivative(surface, velocity).at_origin * cell.signs[j] < 0, "a surface that all cells lead to")
     at = dict(zip(system.states, system.at, strict=True))
     slope = across.at_origin / inclusion.domain.radius
-    others = [own for own in system.states if own != name]
+    others = [state for state in system.states if state != name]
     part = part_of(system, others, [Replaced(name, at, items(cells["surfaces"])[j], slope)])
     require_continuous(system, part, {name})
     return [{"stability": verdict_of(part, entry, proofs)}]
@@ -378,9 +380,9 @@ def verdict_of(part: System, entry: Any, beside: Proofs) -> str:
     return stability_in(shown_of(part, entry, beside))
 
 
-def stability_in(shown: Sequence[Statement]) -> str:
+def stability_in(conclusions: Sequence[Statement]) -> str:
     """The verdict among what is shown."""
-    return str(next(own["stability"] for own in shown if "stability" in own))
+    return str(next(conclusion["stability"] for conclusion in conclusions if "stability" in conclusion))
 
 
 def shown_of(part: System, entry: Any, beside: Proofs) -> list[Statement]:
@@ -388,6 +390,6 @@ def shown_of(part: System, entry: Any, beside: Proofs) -> list[Statement]:
     theorem, hypotheses, data = take(entry, "theorem hypotheses proofs")
     require(type(theorem) is str and theorem in ABOUT_PARTS, "a theorem about parts")
     proofs = beside.of_part(data)
-    shown = ABOUT_PARTS[theorem](part, hypotheses, proofs)
+    conclusions = ABOUT_PARTS[theorem](part, hypotheses, proofs)
     proofs.require_used()
-    return shown
+    return conclusions

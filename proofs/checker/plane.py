@@ -83,11 +83,11 @@ def clipped(sides: list[Side], half_planes: Iterable[Side]) -> list[Side]:
         ends = [a * x + b * y - c * w for x, y, w in corners(sides)]
         if max(ends) <= 0:
             continue
-        kept: list[Side] = []
+        polygon: list[Side] = []
         for side, start, end in zip(sides, [ends[-1], *ends[:-1]], ends, strict=True):
-            kept += [side] if min(start, end) < 0 else []
-            kept += [line] if start < 0 <= end else []
-        sides = kept
+            polygon += [side] if min(start, end) < 0 else []
+            polygon += [line] if start < 0 <= end else []
+        sides = polygon
     return sides
 
 
@@ -147,7 +147,7 @@ class Form:
         ``e = b - a`` the least value on the line is ``det P (a x b)^2/(e^T P e)``.  The form grows along the side
         where ``c . P e >= 0``: so on the side it is least at a or at b, or there, if that changes its sign between.
         """
-        found = []
+        margins = []
         for a, b in sides:
             step = (b[0] * a[2] - a[0] * b[2], b[1] * a[2] - a[1] * b[2])
             reach, grows = cross(a, b), self.image(step)
@@ -156,8 +156,8 @@ class Form:
             if not whole and (left >= 0 or right <= 0):
                 end = a if left >= 0 else b
                 spare = self.at(end) - level * end[2] * end[2]
-            found.append(min(reach.sign(), spare.sign()))
-        return found
+            margins.append(min(reach.sign(), spare.sign()))
+        return margins
 
 
 def _is_not_negative(p: Number, q: Number, s: Number) -> bool:

@@ -111,11 +111,11 @@ class Polynomial:
     def parts_at(self, direction: Sequence[Fraction]) -> dict[int, Coefficient]:
         """The terms of each degree, added at a vector."""
         BUDGET.spend(len(self.terms) * (1 + (self.degree * longest(direction)) ** 2 // 4096))
-        found: dict[int, Coefficient] = {}
+        by_degree: dict[int, Coefficient] = {}
         for exponents, coefficient in self.terms.items():
-            own = coefficient * prod(x**exponent for x, exponent in zip(direction, exponents, strict=True))
-            found[sum(exponents)] = found.get(sum(exponents), Fraction(0)) + own
-        return found
+            term = coefficient * prod(x**exponent for x, exponent in zip(direction, exponents, strict=True))
+            by_degree[sum(exponents)] = by_degree.get(sum(exponents), Fraction(0)) + term
+        return by_degree
 
     def lowest_at(self, direction: Sequence[Fraction]) -> Coefficient:
         """The terms of lowest degree, added at a vector."""
@@ -133,11 +133,11 @@ class Polynomial:
         total: Coefficients = {}
         for exponents, value in self.terms.items():
             part: Coefficients = {(0,) * count: value}
-            for own, exponent in zip(powers, exponents, strict=True):
-                while len(own) < exponent:
-                    own.append(own[-1] * own[0])
+            for form_powers, exponent in zip(powers, exponents, strict=True):
+                while len(form_powers) < exponent:
+                    form_powers.append(form_powers[-1] * form_powers[0])
                 if exponent:
-                    part = products(part, own[exponent - 1])
+                    part = products(part, form_powers[exponent - 1])
             BUDGET.spend(len(part) * product_cost(self.bits, longest(part.values())))
             for key, added in part.items():
                 collect(total, key, added)
@@ -236,21 +236,21 @@ def solve(forms: Sequence[Polynomial], count: int) -> tuple[Polynomial, ...] | N
     pivots: list[int] = []
     for column in range(count + 1):
         top = len(pivots)
-        found = next((i for i in range(top, len(rows)) if rows[i][column]), None)
-        if found is None:
+        pivot_row = next((i for i in range(top, len(rows)) if rows[i][column]), None)
+        if pivot_row is None:
             continue
         if column == count:
             return None
-        clear_column(rows, column, found, top)
+        clear_column(rows, column, pivot_row, top)
         pivots.append(column)
     free = [k for k in range(count) if k not in pivots]
     size = len(free)
-    found_forms = []
+    solution = []
     for k in range(count):
         if k in free:
-            found_forms.append(variable(size, free.index(k)))
+            solution.append(variable(size, free.index(k)))
             continue
         row = rows[pivots.index(k)]
         terms = {unit(size, i): -row[other] for i, other in enumerate(free)}
-        found_forms.append(Polynomial(size, {**terms, (0,) * size: -row[count]}))
-    return tuple(found_forms)
+        solution.append(Polynomial(size, {**terms, (0,) * size: -row[count]}))
+    return tuple(solution)

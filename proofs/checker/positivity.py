@@ -96,8 +96,10 @@ class Claim:
     @cached_property
     def field(self) -> Field | None:
         """That of its irrational numbers; None where all are rational."""
-        own = (one for i in self.inequalities for one in (i.value, *i.guards.values(), *i.pushes, *i.zeros.values()))
-        return next((c.field for one in own for c in one.terms.values() if type(c) is Number), None)
+        polynomials = (
+            p for i in self.inequalities for p in (i.value, *i.guards.values(), *i.pushes, *i.zeros.values())
+        )
+        return next((c.field for p in polynomials for c in p.terms.values() if type(c) is Number), None)
 
     @property
     def is_homogeneous(self) -> bool:
@@ -106,12 +108,12 @@ class Claim:
         All polynomials are forms; and where ``p + sum mu q > 0`` at a place, mu times powers of the distance do it at
         its multiples.  The same is asked of the values that mixtures make zero.
         """
-        for own in self.inequalities:
-            surfaces = [guard for name, guard in own.guards.items() if name[0] == "s"]
-            if not all(form.is_form for form in (own.value, *own.weak, *own.pushes, *surfaces)):
+        for inequality in self.inequalities:
+            surfaces = [guard for name, guard in inequality.guards.items() if name[0] == "s"]
+            if not all(form.is_form for form in (inequality.value, *inequality.weak, *inequality.pushes, *surfaces)):
                 return False
-        values = zip(*((own.value, *own.weak) for own in self.inequalities), strict=True)
-        pushes = [own.pushes for own in self.inequalities]
+        values = zip(*((inequality.value, *inequality.weak) for inequality in self.inequalities), strict=True)
+        pushes = [inequality.pushes for inequality in self.inequalities]
         return all(scale_together([(one, *q) for one, q in zip(column, pushes, strict=True)]) for column in values)
 
 
@@ -122,9 +124,9 @@ def scale_together(rows: Sequence[Sequence[Polynomial]]) -> bool:
     followed from one to the next, and one that has none in common with those before begins anew.
     """
     raised: dict[int, int] = {}  # the numbers that are known, by columns
-    waiting = list({tuple((k, own.degree) for k, own in enumerate(row) if own): None for row in rows})
+    waiting = list({tuple((k, form.degree) for k, form in enumerate(row) if form): None for row in rows})
     while waiting:
-        row = next((own for own in waiting if any(k in raised for k, _ in own)), waiting[0])
+        row = next((candidate for candidate in waiting if any(k in raised for k, _ in candidate)), waiting[0])
         waiting.remove(row)
         whole_degree = next((degree + raised[k] for k, degree in row if k in raised), 0)
         for k, degree in row:
@@ -192,23 +194,23 @@ def pairs(claim: Claim) -> Iterator[Claim]:
     room.  It is that V falls along the mixture of two fields that is tangent to the face.  Where q_i is zero, or both
     fields belong to one side, the claims about closed cells say enough.
     """
-    require(all(len(own.pushes) == 1 for own in claim.inequalities), "one function mu")
+    require(all(len(inequality.pushes) == 1 for inequality in claim.inequalities), "one function mu")
     for (i, a), (j, b) in permutations(enumerate(claim.inequalities), 2):
         if a.side == b.side:
             continue
         rise, fall = a.pushes[0], -b.pushes[0]
-        guards = {**a.guards, **{f"{name}'": own for name, own in b.guards.items()}, "sp": rise, "sq": fall}
-        for k, (own, other) in enumerate(zip(a.weak, b.weak, strict=True)):
-            guards[f"sv{k}"] = -(own * fall + other * rise)
+        guards = {**a.guards, **{f"{name}'": guard for name, guard in b.guards.items()}, "sp": rise, "sq": fall}
+        for k, (value, other) in enumerate(zip(a.weak, b.weak, strict=True)):
+            guards[f"sv{k}"] = -(value * fall + other * rise)
         room = Inequality(a.value * fall + b.value * rise, guards, zeros=a.zeros, open=frozenset(("sp", "sq")))
         yield Claim(f"{claim.name} pair {i} {j}", (room,), claim.strict, claim.at_origin, claim.bounded, claim.border)
 
 
 def _show_by_pairs(claim: Claim, evidence: Any) -> None:
     (listed,) = take(evidence, "pairs")
-    asked = list(pairs(claim))
-    for one, own in zip(asked, items(listed, len(asked)), strict=True):
-        show(one, own)
+    claims = list(pairs(claim))
+    for one, proof in zip(claims, items(listed, len(claims)), strict=True):
+        show(one, proof)
 
 
 # ---- sums of squares ---------------------------------------------------------------------------
@@ -217,11 +219,11 @@ def _show_by_pairs(claim: Claim, evidence: Any) -> None:
 def _show_by_squares(claim: Claim, evidence: Any) -> None:
     squares, mu = take(evidence, "squares", "mu")
     size = len(claim.inequalities[0].pushes)
-    functions = [read_polynomial(own, claim.count) for own in items(mu or [], size)]
+    functions = [read_polynomial(function_data, claim.count) for function_data in items(mu or [], size)]
     for inequality, listed in zip(claim.inequalities, items(squares, len(claim.inequalities)), strict=True):
-        asked = inequality.value
+        polynomial = inequality.value
         for function, push in zip(functions, inequality.pushes, strict=True):
-            asked += function * push
+            polynomial += function * push
         total, positive = constant(claim.count, 0), False
         for entry in items(listed, most=MAX_SQUARES):
             if type(entry) is dict and "zero" in entry:
@@ -233,7 +235,7 @@ def _show_by_squares(claim: Claim, evidence: Any) -> None:
             total += square.expanded(inequality.guards)
             definite = square.rank() == len(square.gram) and not square.guards
             positive = positive or (definite and square.separates(at_origin=claim.at_origin))
-        require(total == asked, f"a sum of squares that is the polynomial of {claim.name}")
+        require(total == polynomial, f"a sum of squares that is the polynomial of {claim.name}")
         require(positive or not claim.strict, f"a positive square for {claim.name}")
 
 
@@ -254,7 +256,7 @@ class Square:
         guards, monomials, gram = take(data, "guards monomials gram")
         self.count, self.guards = count, items(guards, most=MAX_FACTORS)
         self.monomials = [
-            tuple(whole(k, MAX_DEGREE) for k in items(own, count)) for own in items(monomials, most=MAX_ROWS)
+            tuple(whole(k, MAX_DEGREE) for k in items(monomial, count)) for monomial in items(monomials, most=MAX_ROWS)
         ]
         rows = items(gram, len(self.monomials))
         self.gram = [[rational(value) for value in items(row, i + 1)] for i, row in enumerate(rows)]
@@ -267,11 +269,11 @@ class Square:
             for j, value in enumerate(row):
                 key = tuple(map(int.__add__, self.monomials[i], self.monomials[j]))
                 collect(total, key, value if i == j else 2 * value)
-        found = Polynomial(self.count, total)
+        expanded = Polynomial(self.count, total)
         for name in self.guards:
             require(type(name) is str and name in guards, "guards that hold there")
-            found *= guards[name]
-        return found
+            expanded *= guards[name]
+        return expanded
 
     def rank(self) -> int:
         """The rank of Q, by elimination without fractions (Bareiss 1968).
@@ -353,8 +355,8 @@ def _show_on_simplex(claim: Claim, corners: tuple[Corner, ...], tree: Any) -> No
         require(i != j and 0 < t < 1, "cuts inside an edge")
         BUDGET.spend(1 + len(corners) * product_cost(longest((*corners[i], *corners[j])), bits(t)))
         middle = tuple((1 - t) * a + t * b for a, b in zip(corners[i], corners[j], strict=True))
-        waiting.append((_replaced(corners, j, middle), [own.cut(j, i, t) for own in forms], near))
-        waiting.append((_replaced(corners, i, middle), [own.cut(i, j, 1 - t) for own in forms], far))
+        waiting.append((_replaced(corners, j, middle), [group.cut(j, i, t) for group in forms], near))
+        waiting.append((_replaced(corners, i, middle), [group.cut(i, j, 1 - t) for group in forms], far))
 
 
 def _replaced(corners: tuple[Corner, ...], k: int, corner: Corner) -> tuple[Corner, ...]:
@@ -370,7 +372,7 @@ class Forms:
     def __init__(self, inequality: Inequality, corners: Sequence[Corner]) -> None:
         self.inequality = inequality
         self.named = {**inequality.guards, **inequality.zeros}
-        self.forms = [barycentric(own, corners) for own in (inequality.value, *inequality.pushes)]
+        self.forms = [barycentric(polynomial, corners) for polynomial in (inequality.value, *inequality.pushes)]
 
     def cut(self, moved: int, kept: int, share: Coefficient) -> Forms:
         """On the part whose corner ``moved`` is ``share`` of itself and the rest of the corner ``kept``."""
@@ -417,17 +419,17 @@ def barycentric(value: Polynomial, corners: Sequence[Corner]) -> Coefficients:
     """
     degree, size, columns = value.degree, len(corners), range(value.count + 1)
     terms = {(*e, degree - sum(e)): c for e, c in value.terms.items()}
-    if any(type(c) is Number for own in (value.terms.values(), *corners) for c in own):
+    if any(type(c) is Number for numbers in (value.terms.values(), *corners) for c in numbers):
         lines = [Polynomial(size, {unit(size, k): corner[i] for k, corner in enumerate(corners)}) for i in columns]
         return dict(Polynomial(value.count + 1, terms).on(lines, size).terms)
     bottom = common_denominator(terms.values())
     scales = [common_denominator(corner) for corner in corners]
     whole_corners = [[int(x * scale) for x in corner] for corner, scale in zip(corners, scales, strict=True)]
-    coordinates = [{k: own[i] for k, own in enumerate(whole_corners) if own[i]} for i in columns]
-    found = _substituted({e: int(c * bottom) for e, c in terms.items()}, coordinates, (0,) * size)
-    lengths = max(map(int.bit_length, found.values()), default=0), bottom.bit_length()
-    BUDGET.spend(len(found) * product_cost(lengths[0], lengths[1] + degree * max(map(int.bit_length, scales))))
-    return {e: Fraction(c, bottom * prod(map(pow, scales, e))) for e, c in found.items()}
+    coordinates = [{k: corner[i] for k, corner in enumerate(whole_corners) if corner[i]} for i in columns]
+    form = _substituted({e: int(c * bottom) for e, c in terms.items()}, coordinates, (0,) * size)
+    lengths = max(map(int.bit_length, form.values()), default=0), bottom.bit_length()
+    BUDGET.spend(len(form) * product_cost(lengths[0], lengths[1] + degree * max(map(int.bit_length, scales))))
+    return {e: Fraction(c, bottom * prod(map(pow, scales, e))) for e, c in form.items()}
 
 
 def common_denominator(values: Iterable[Fraction]) -> int:
@@ -458,7 +460,7 @@ def _substituted(
         by_exponent.setdefault(first, {})[tuple(others)] = c
     total: dict[Exponents, int] = {}
     for exponent in range(max(by_exponent), -1, -1):
-        lengths = [max(map(int.bit_length, own.values()), default=0) for own in (total, coordinates[0])]
+        lengths = [max(map(int.bit_length, form.values()), default=0) for form in (total, coordinates[0])]
         BUDGET.spend(1 + len(total) * len(coordinates[0]) * product_cost(*lengths))
         times: dict[Exponents, int] = {}
         for e, c in total.items():
@@ -494,41 +496,41 @@ def cut_form(form: Coefficients, moved: int, kept: int, share: Coefficient) -> C
     """The form after ``t_kept -> t_kept + (1 - share) t_moved`` and ``t_moved -> share t_moved``."""
     degree = degree_of(form)
     BUDGET.spend(1 + len(form) * (1 + degree) * product_cost(longest(form.values()), degree * bits(share)))
-    rest, found = 1 - share, Coefficients()
+    rest, coefficients = 1 - share, Coefficients()
     for exponents, value in form.items():
-        top, own = exponents[kept], exponents[moved]
-        scaled = value * share**own
+        top, power = exponents[kept], exponents[moved]
+        scaled = value * share**power
         for k in range(top + 1):
             key = list(exponents)
-            key[kept], key[moved] = top - k, own + k
-            collect(found, tuple(key), scaled * comb(top, k) * rest**k)
-    return found
+            key[kept], key[moved] = top - k, power + k
+            collect(coefficients, tuple(key), scaled * comb(top, k) * rest**k)
+    return coefficients
 
 
 def _show_on_leaf(claim: Claim, corners: Sequence[Corner], forms: Sequence[Forms], leaf: Any) -> None:
     mu_data, listed = take(leaf, "", "mu on")
     listed_mu = items(mu_data, len(forms[0].inequality.pushes)) if mu_data else []
-    mu = [[claim.number(value) for value in items(own, len(corners))] for own in listed_mu]
-    for own, data in zip(forms, items(listed, len(forms)) if listed else [{}] * len(forms), strict=True):
+    mu = [[claim.number(value) for value in items(values, len(corners))] for values in listed_mu]
+    for group, data in zip(forms, items(listed, len(forms)) if listed else [{}] * len(forms), strict=True):
         if type(data) is str:
             require(
-                data in own.inequality.guards and own.is_outside(data, claim, corners),
+                data in group.inequality.guards and group.is_outside(data, claim, corners),
                 f"a guard that is negative, for {claim.name}",
             )
             continue
-        require(type(data) is dict and set(data) <= set(own.named), "multipliers of guards that hold there")
+        require(type(data) is dict and set(data) <= set(group.named), "multipliers of guards that hold there")
         multipliers = {name: claim.number(value) for name, value in data.items()}
-        signed = own.inequality.guards
+        signed = group.inequality.guards
         require(all(v >= 0 for name, v in multipliers.items() if name in signed), "multipliers that are not negative")
-        found = own.combined(mu, multipliers, corners)
-        require(all(value >= 0 for value in found.values()), f"coefficients that are not negative, for {claim.name}")
-        border = barycentric(own.named[claim.border], corners) if claim.border in own.named else None
-        positive = not claim.strict or _is_positive(claim, corners, found, border)
+        form = group.combined(mu, multipliers, corners)
+        require(all(value >= 0 for value in form.values()), f"coefficients that are not negative, for {claim.name}")
+        border = barycentric(group.named[claim.border], corners) if claim.border in group.named else None
+        positive = not claim.strict or _is_positive(claim, corners, form, border)
         require(positive, f"positive coefficients for {claim.name}")
 
 
 def _is_positive(
-    claim: Claim, corners: Sequence[Corner], found: Coefficients, border: Coefficients | None = None
+    claim: Claim, corners: Sequence[Corner], form: Coefficients, border: Coefficients | None = None
 ) -> bool:
     """Whether a form without negative coefficients is positive at all points of a simplex that count.
 
@@ -540,11 +542,11 @@ def _is_positive(
     free = {k for k in points if not (claim.at_origin or any(corners[k][:-1]))}
     if border is not None:
         free |= {k for k in points if not border.get(_at_corner(border, k, len(corners)))}
-    if not all(found.get(_at_corner(found, k, len(corners))) for k in points - free):
+    if not all(form.get(_at_corner(form, k, len(corners))) for k in points - free):
         return False
     beside = [k for k in range(len(corners)) if k in free or k not in points]
     pairs_of = {(k, i) for k in free for i in beside if i != k}
-    return all(any(value for e, value in found.items() if e[k] + e[i] == sum(e)) for k, i in pairs_of)
+    return all(any(value for e, value in form.items() if e[k] + e[i] == sum(e)) for k, i in pairs_of)
 
 
 def _at_corner(form: Coefficients, k: int, size: int) -> Exponents:
@@ -573,11 +575,11 @@ def _show_by_mixture(claim: Claim, evidence: Any) -> None:
 
 def cube_guards(coordinates: Sequence[Polynomial], count: int) -> dict[str, Polynomial]:
     """The guards of the cube for affine coordinates: ``1 - z_k^2``, ``1 - z_k`` and ``1 + z_k``, named b, u and d."""
-    one, found = constant(count, 1), {}
+    one, guards = constant(count, 1), {}
     for k, form in enumerate(coordinates):
         if form.degree:
-            found.update({f"b{k}": one - form * form, f"u{k}": one - form, f"d{k}": one + form})
-    return found
+            guards.update({f"b{k}": one - form * form, f"u{k}": one - form, f"d{k}": one + form})
+    return guards
 
 
 def identity(count: int) -> tuple[Polynomial, ...]:

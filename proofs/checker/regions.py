@@ -120,17 +120,19 @@ def show_ellipse(cells: Cells, data: Any, *, rests: bool) -> list[Statement]:
     require(min(form.margins(level, outer, whole=along is None)) > 0, "an ellipse inside the cells at the point")
     require(_stands_on(cells, form, level), "an ellipse in the support polygon")
     _require_falls(cells, form, level, rational(bend), [Fraction(0)])
-    shown: list[Statement] = [{"swing": {"squared_radius": start, "squared_swing": swing}}]
+    conclusions: list[Statement] = [{"swing": {"squared_radius": start, "squared_swing": swing}}]
     if arrival is not None:
         rate = _show_swift(cells, squared_radius, arrival)
-        shown.append({"arrival": {"squared_radius": start, "rate": arrival["rate"]}})
+        conclusions.append({"arrival": {"squared_radius": start, "rate": arrival["rate"]}})
     if turn is not None:
         require(arrival is not None and rests, "a body that arrives, and rests at the point without turning")
         largest = cells.parse(turn) * rate
         turns = [motion.twist[2] for motion in cells.here]
-        require(min(signs(s for own in turns for s in (largest - own, largest + own))) >= 0, "a bound of the rotation")
-        shown.append({"turning": {"squared_radius": start, "per_distance": turn}})
-    return shown
+        require(
+            min(signs(s for omega in turns for s in (largest - omega, largest + omega))) >= 0, "a bound of the rotation"
+        )
+        conclusions.append({"turning": {"squared_radius": start, "per_distance": turn}})
+    return conclusions
 
 
 def _show_swift(cells: Cells, squared_radius: Number, data: Any) -> Number:

@@ -142,23 +142,23 @@ def read_subject(data: Any) -> System:
     """The system that a certificate is about, with roots or without."""
     if type(data) is not dict or "roots" not in data:
         return read_system(data)
-    states, rhs, at, listed, given, numbers, order = take(data, "states rhs at roots", "orders numbers order")
+    states, rhs, at, listed, orders, numbers, order = take(data, "states rhs at roots", "orders numbers order")
     stated = {"states": states, "rhs": rhs, "at": at, "numbers": [] if numbers is None else numbers, "order": order}
-    own = read_system(stated)
-    system = RootedSystem(**vars(own), roots=read_roots(listed, given, own.states))
+    plain_system = read_system(stated)
+    system = RootedSystem(**vars(plain_system), roots=read_roots(listed, orders, plain_system.states))
     require(order is not None or not any(map(any, system.waves)), "an order of sines and cosines beside roots")
     require(len(set(system.coordinates)) == system.count, "names of roots that are no states")
-    require(not set(system.coordinates) & set(own.numbers), "names of numbers that are no roots")
+    require(not set(system.coordinates) & set(plain_system.numbers), "names of numbers that are no roots")
     return system
 
 
-def read_roots(listed: Any, given: Any, states: Sequence[str]) -> dict[str, int]:
+def read_roots(listed: Any, order_data: Any, states: Sequence[str]) -> dict[str, int]:
     """The states of which there are roots, each with the order of its root; two where none are given."""
     roots = tuple(items(listed, most=len(states)))
     known = all(type(name) is str and name in states for name in roots)
     require(roots and known and len(set(roots)) == len(roots), "roots of different states")
     squares = [2] * len(roots)
-    orders = [whole(order, MAX_ORDER) for order in items(squares if given is None else given, len(roots))]
+    orders = [whole(order, MAX_ORDER) for order in items(squares if order_data is None else order_data, len(roots))]
     require(min(orders) >= 2, "roots of an order of two at least")
     return dict(zip(roots, orders, strict=True))
 
@@ -171,11 +171,11 @@ def in_roots(system: System, data: Any) -> RootedSystem:
     """
     require(type(data) is dict, "orders of roots by the names of states")
     roots = read_roots(list(data), list(data.values()), system.states)
-    known = {own.name: getattr(system, own.name) for own in fields(System)}
-    found = RootedSystem(**known, roots=roots, scaled=False)
-    require(len(set(found.coordinates)) == found.count, "names of roots that are no states")
-    require(not set(found.coordinates) & set(system.numbers), "names of numbers that are no roots")
-    return found
+    values = {attribute.name: getattr(system, attribute.name) for attribute in fields(System)}
+    rooted_system = RootedSystem(**values, roots=roots, scaled=False)
+    require(len(set(rooted_system.coordinates)) == rooted_system.count, "names of roots that are no states")
+    require(not set(rooted_system.coordinates) & set(system.numbers), "names of numbers that are no roots")
+    return rooted_system
 
 
 def signed_root(value: Coefficient, order: int) -> Fraction:
@@ -224,8 +224,8 @@ class RootedFormula(Formula):
         factors: Sequence[str],
     ) -> None:
         super().__init__(data, place, ends, wave)
-        known = [root.value for root in roots.values()]
-        self.states = {name: own for name, own in place.items() if own not in known}
+        root_values = [root.value for root in roots.values()]
+        self.states = {name: polynomial for name, polynomial in place.items() if polynomial not in root_values}
         self.roots, self.factors = roots, factors
         # a root is another polynomial on each side of zero
         self.smooth = parts_without_calls(self.tree, tuple(roots))
@@ -284,9 +284,9 @@ def show_crossed(inclusion: Inclusion, k: int, root: Polynomial) -> None:
     for cell in inclusion.cells:
         guards = zero.guards(dict(enumerate(cell.signs)))
         if guards is not None:
-            own = (formula.on(partial(surfaces.sign_on, cell.signs)) for formula in formulas)
-            speeds.update(((tuple(guards.items()), zero.restricted(speed)), None) for speed in own)
+            cell_speeds = (formula.on(partial(surfaces.sign_on, cell.signs)) for formula in formulas)
+            speeds.update(((tuple(guards.items()), zero.restricted(speed)), None) for speed in cell_speeds)
     for (i, (first, a)), (j, (second, b)) in combinations_with_replacement(enumerate(speeds), 2):
-        both = {**dict(first), **{f"{name}'": own for name, own in second}}
+        both = {**dict(first), **{f"{name}'": guard for name, guard in second}}
         name = f"crosses {k} speeds {i} {j}"
         surfaces.proofs.show(Claim(name, (Inequality(a * b, both),), True, not zero.holds_origin, domain.bounded))

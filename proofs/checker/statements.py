@@ -66,8 +66,8 @@ def show_claims(data: Any, size: int) -> list[Statement]:
     Raises:
         RejectedError: for a claim that is not shown.
     """
-    claims, shown = show_evidence(data, size)
-    for claim in not_among(shown, claims):
+    claims, conclusions = show_evidence(data, size)
+    for claim in not_among(conclusions, claims):
         require(False, f"evidence of the claim {json.dumps(claim)[:200]}")
     require(claims, "a claim")
     return claims
@@ -84,15 +84,15 @@ def show_evidence(data: Any, size: int) -> tuple[list[Statement], list[Statement
         require(version == VERSION, f"the version {VERSION}")
         about, claims = take(statement, "subject claims")
         subject = read_array(about) if is_of_array(about) else read_subject(about)
-        shown: list[Statement] = []
+        conclusions: list[Statement] = []
         for entry in items(evidence, most=MAX_THEOREMS):
-            shown += show_entry(subject, entry)
-        return items(claims), shown
+            conclusions += show_entry(subject, entry)
+        return items(claims), conclusions
 
 
-def not_among(shown: list[Statement], claims: list[Statement]) -> list[Statement]:
+def not_among(conclusions: list[Statement], claims: list[Statement]) -> list[Statement]:
     """The claims that are not among what was shown."""
-    texts = {json.dumps(own, sort_keys=True) for own in shown}  # which tell truth values from numbers
+    texts = {json.dumps(statement, sort_keys=True) for statement in conclusions}  # which tell truth values from numbers
     return [claim for claim in claims if json.dumps(claim, sort_keys=True) not in texts]
 
 
@@ -103,12 +103,12 @@ def show_entry(subject: System | Array, entry: Any) -> list[Statement]:
         RejectedError: for a hypothesis that is not shown, and for proofs of what is not asked.
     """
     theorem, hypotheses, data = take(entry, "theorem hypotheses proofs")
-    known = OF_ARRAYS if isinstance(subject, Array) else THEOREMS
-    require(type(theorem) is str and theorem in known, f"a theorem of {', '.join(known)}")
+    theorems = OF_ARRAYS if isinstance(subject, Array) else THEOREMS
+    require(type(theorem) is str and theorem in theorems, f"a theorem of {', '.join(theorems)}")
     proofs = Proofs(data)
-    shown = known[theorem](subject, hypotheses, proofs)
+    conclusions = theorems[theorem](subject, hypotheses, proofs)
     proofs.require_used()
-    return shown
+    return conclusions
 
 
 def refusal(data: Any, size: int) -> str:

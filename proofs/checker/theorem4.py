@@ -34,36 +34,38 @@ def show_theorem4(array: Array, hypotheses: Any, proofs: Proofs) -> list[Stateme
     points, cells_data, disc, *further = take(hypotheses, "points cells disc", "drift rate turn ellipse law")
     drift, rate, turn, ellipse, law = further
     cells = Cells(array, points, cells_data)
-    own = Clauses(cells, proofs)
-    equilibrium = own.show_equilibrium(drift)
-    translation = own.show_translation()
-    rotation = own.show_rotation(translation)
+    clauses = Clauses(cells, proofs)
+    equilibrium = clauses.show_equilibrium(drift)
+    translation = clauses.show_translation()
+    rotation = clauses.show_rotation(translation)
     feedback, plane = show_feedback(cells, proofs)
     words = {"translation": translation, "rotation": rotation, "feedback": feedback}
-    shown: list[Statement] = [{"equilibrium": equilibrium}]
+    conclusions: list[Statement] = [{"equilibrium": equilibrium}]
     stated = {**words, "drift": drift, "obstruction": plane}
-    shown += [{kind: said} for kind, said in stated.items() if said is not None]
+    conclusions += [{kind: claim} for kind, claim in stated.items() if claim is not None]
     if law is not None:
-        shown.append({"feedback rate": show_feedback_rate(cells, law)})
+        conclusions.append({"feedback rate": show_feedback_rate(cells, law)})
     if disc is not None:
-        shown.append({"disc": {"squared_radius": disc, "decreases": show_disc(cells, proofs, cells.parse(disc))}})
+        conclusions.append({"disc": {"squared_radius": disc, "decreases": show_disc(cells, proofs, cells.parse(disc))}})
     if rate is not None:
         require(disc is not None, "a disc of starts that arrive")
         show_arrival(cells, cells.parse(rate))
-        shown.append({"arrival": {"squared_radius": disc, "rate": rate}})
+        conclusions.append({"arrival": {"squared_radius": disc, "rate": rate}})
     if turn is not None:
-        require(disc is not None and own.rests, "a disc of starts, and a body that rests at the point without turning")
+        require(
+            disc is not None and clauses.rests, "a disc of starts, and a body that rests at the point without turning"
+        )
         show_turning(cells, cells.parse(turn))
-        shown.append({"turning": {"squared_radius": disc, "per_distance": turn}})
+        conclusions.append({"turning": {"squared_radius": disc, "per_distance": turn}})
     if ellipse is not None:
-        shown += show_ellipse(cells, ellipse, rests=own.rests)
+        conclusions += show_ellipse(cells, ellipse, rests=clauses.rests)
     if not equilibrium:
-        shown.append({"theorem 4": HYPOTHESES_NOT_MET})
+        conclusions.append({"theorem 4": HYPOTHESES_NOT_MET})
     elif translation == UNSTABLE or rotation == NEUTRAL or plane is not None:
-        shown.append({"theorem 4": FAILS})
+        conclusions.append({"theorem 4": FAILS})
     elif not {None, NO_CERTIFICATE} & set(words.values()):
-        shown.append({"theorem 4": HOLDS})
-    return shown
+        conclusions.append({"theorem 4": HOLDS})
+    return conclusions
 
 
 class Clauses:

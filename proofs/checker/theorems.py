@@ -55,21 +55,21 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
         system = in_roots(system, roots)
     require(arrival is None or (attracts and everywhere is True and roots is not None), "a time of arrival in roots")
     sizes = [] if arrival is None else [size_text(system, arrival)]
-    own = read_functions(system, cells, function, second, proofs, sizes)
-    if own.inclusion.domain.gradients is not None:
+    lyapunov = read_functions(system, cells, function, second, proofs, sizes)
+    if lyapunov.inclusion.domain.gradients is not None:
         require(level is rate is denominator is None and everywhere is False, "a verdict alone in a frame")
     if denominator is not None:
         require(second is None and rate is None, "a quotient without further functions and rates")
-        own.divide_by(Formula(denominator, own.inclusion.domain.displacement).on(no_switching))
+        lyapunov.divide_by(Formula(denominator, lyapunov.inclusion.domain.displacement).on(no_switching))
     if inside is not None:
         require(second is level is rate is denominator is None, "a logarithm with a verdict alone")
-        own.add_logarithm(Formula(inside, own.inclusion.domain.displacement).on(no_switching))
+        lyapunov.add_logarithm(Formula(inside, lyapunov.inclusion.domain.displacement).on(no_switching))
     if below is True:
-        own.require_below(rational(level))
-    own.show_zero()
-    own.show_positive()
-    show_falling(own, strict=attracts)
-    shown: list[Statement] = [{"stability": verdict}]
+        lyapunov.require_below(rational(level))
+    lyapunov.show_zero()
+    lyapunov.show_positive()
+    show_falling(lyapunov, strict=attracts)
+    conclusions: list[Statement] = [{"stability": verdict}]
     about = {"function": function, "within": cells["within"]}
     if denominator is not None:
         about["denominator"] = denominator
@@ -78,29 +78,29 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     if system.coordinates != system.states:
         about["in"] = list(system.coordinates)
     if arrival is not None:
-        shown.append({"arrives": show_arrival(own, arrival)})
+        conclusions.append({"arrives": show_arrival(lyapunov, arrival)})
     if everywhere is True:
         require(attracts and below is not True, "an attracting point")
         if proper is growth is None:
-            own.require_all_of_space()
+            lyapunov.require_all_of_space()
         if proper is not None:
-            own.show_proper(rational(proper))
+            lyapunov.show_proper(rational(proper))
         if growth is not None:
-            own.show_growth(rational(growth))
-        shown.append({"attracts": "everywhere"})
+            lyapunov.show_growth(rational(growth))
+        conclusions.append({"attracts": "everywhere"})
     if level is not None:
-        require(attracts and own.bounded and rational(level) > 0, "a positive level around a point that attracts")
-        own.show_border(rational(level))
-        shown.append({"attracts": {**about, "below": level}})
+        require(attracts and lyapunov.bounded and rational(level) > 0, "a positive level around a point that attracts")
+        lyapunov.show_border(rational(level))
+        conclusions.append({"attracts": {**about, "below": level}})
     if rate is not None:
         require(system.coordinates == system.states, "rates in the time of the states")
-        show_rate(own, rate, gain)
-        shown.append({"rate": {**about, **rate, **({"below": level} if below is True else {})}})
-        shown += [{"gain": {**shown[-1]["rate"], "gamma": gain}}] if gain is not None else []
-    return shown
+        show_rate(lyapunov, rate, gain)
+        conclusions.append({"rate": {**about, **rate, **({"below": level} if below is True else {})}})
+        conclusions += [{"gain": {**conclusions[-1]["rate"], "gamma": gain}}] if gain is not None else []
+    return conclusions
 
 
-def show_rate(own: Lyapunov, rate: Any, gain: Any = None) -> None:
+def show_rate(lyapunov: Lyapunov, rate: Any, gain: Any = None) -> None:
     """``V' <= -kappa V^p`` off the point, on the domain; less ``gain |d|``.  p is the number in RATES.
 
     The derivative is taken here in units of the half-width of the cube.  Let ``x' = v + d`` with v in F(x).  At almost
@@ -110,23 +110,23 @@ def show_rate(own: Lyapunov, rate: Any, gain: Any = None) -> None:
     between those of V on both sides; so all have a common point (Helly), and there ``q . d`` is at most ``gain |d|``.
     """
     kind, kappa = take(rate, "kind kappa")
-    speed = rational(kappa) * own.inclusion.domain.radius
+    speed = rational(kappa) * lyapunov.inclusion.domain.radius
     known = type(kind) is str and kind in RATES
     require(speed > 0 and known, "a positive rate, finite, exponential or algebraic")
 
     def shift(cell: Cell) -> Polynomial:
-        value = constant(own.count, speed)
+        value = constant(lyapunov.count, speed)
         for _ in range(RATES[kind]):
-            value *= own.potential(cell)
+            value *= lyapunov.potential(cell)
         return value
 
-    own.show_falls("rate ", shift, strict=False)
+    lyapunov.show_falls("rate ", shift, strict=False)
     if gain is not None:
         require(rational(gain) > 0, "a positive gain")
-        own.show_gradient(rational(gain) * own.inclusion.domain.radius)
+        lyapunov.show_gradient(rational(gain) * lyapunov.inclusion.domain.radius)
 
 
-def show_arrival(own: Lyapunov, data: Any) -> Statement:
+def show_arrival(lyapunov: Lyapunov, data: Any) -> Statement:
     """Every solution is at the point after at most ``T S^e``, S the size ``sum_k c_k Abs(x_k)**(1/q_k)`` of its start.
 
     Let all pieces of V be forms of degree p.  If ``V <= above S^p`` and ``V' <= -speed S^(p - e)``, then
@@ -140,18 +140,18 @@ def show_arrival(own: Lyapunov, data: Any) -> Statement:
     size, above, speed, power = take(data, "size above speed power")
     bound, fall = rational(above), rational(speed)
     require(min(bound, fall) > 0, "a time of arrival of positive numbers")
-    system = own.inclusion.domain.system
+    system = lyapunov.inclusion.domain.system
     at_zero = all(not value for value, q in zip(system.origin, system.orders, strict=True) if q > 1)
     require(at_zero, "roots that are zero at the point")
-    degrees = {sum(e) for cell in own.inclusion.cells for e in own.potential(cell).terms}
+    degrees = {sum(e) for cell in lyapunov.inclusion.cells for e in lyapunov.potential(cell).terms}
     require(len(degrees) == 1, "a V of forms of one degree")
     (degree,) = degrees
     e = whole(power, degree)
     require(e > 0, "a time of arrival with a positive power")
-    speed_there = fall * own.inclusion.domain.radius
-    for name, signs, cell in own.inclusion.pieces():
-        own.show_below(name, signs, cell, cell.functions[-1].power(degree).times(bound))
-    own.show_falls("arrival ", lambda cell: cell.functions[-1].power(degree - e).times(speed_there), strict=False)
+    speed_there = fall * lyapunov.inclusion.domain.radius
+    for name, signs, cell in lyapunov.inclusion.pieces():
+        lyapunov.show_below(name, signs, cell, cell.functions[-1].power(degree).times(bound))
+    lyapunov.show_falls("arrival ", lambda cell: cell.functions[-1].power(degree - e).times(speed_there), strict=False)
     factor = degree * bound / (e * fall)
     return {"factor": str(factor), "size": size, "orders": list(system.orders), "power": e}
 
@@ -176,17 +176,17 @@ def show_instability(system: System, hypotheses: Any, proofs: Proofs) -> list[St
         hypotheses, "cells function second direction", "speed roots"
     )
     require(roots is None or second is speed is None, "a verdict alone in roots")
-    own = read_functions(system if roots is None else in_roots(system, roots), cells, function, second, proofs)
-    require(own.bounded, "a cube")
-    own.below = Fraction(0)
-    own.show_zero()
+    lyapunov = read_functions(system if roots is None else in_roots(system, roots), cells, function, second, proofs)
+    require(lyapunov.bounded, "a cube")
+    lyapunov.below = Fraction(0)
+    lyapunov.show_zero()
     if speed is None:
-        show_falling(own, strict=True)
+        show_falling(lyapunov, strict=True)
     else:
         require(second is None and rational(speed) > 0, "a positive speed, and no further functions")
-        own.show_falls_by_square(rational(speed))
-    ray = [rational(value) for value in items(direction, own.count)]
-    require(own.is_negative_along(ray), "a V that is negative in the direction")
+        lyapunov.show_falls_by_square(rational(speed))
+    ray = [rational(value) for value in items(direction, lyapunov.count)]
+    require(lyapunov.is_negative_along(ray), "a V that is negative in the direction")
     return [{"stability": UNSTABLE}]
 
 
@@ -216,9 +216,9 @@ def read_functions(
     return Chain(Inclusion(system, cells, functions, proofs), proofs, zeros)
 
 
-def show_falling(own: Lyapunov, *, strict: bool) -> None:
+def show_falling(lyapunov: Lyapunov, *, strict: bool) -> None:
     """V falls off the point, or does not rise; where there are further functions, these rise one after the other."""
-    if isinstance(own, Chain):
-        own.show_chain()
+    if isinstance(lyapunov, Chain):
+        lyapunov.show_chain()
     else:
-        own.show_falls("", own.zero, strict=strict)
+        lyapunov.show_falls("", lyapunov.zero, strict=strict)

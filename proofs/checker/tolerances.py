@@ -41,7 +41,7 @@ def show_tolerances(array: Array, hypotheses: Any, proofs: Proofs) -> list[State
     all builds of the two; so it holds for mixtures of velocities too, and ``(c . c)' = 2 c . v``.
     """
     texts = take(hypotheses, "radius start rate")
-    require(all(type(own) is str and len(own) <= MAX_BOUND for own in texts), f"at most {MAX_BOUND} characters")
+    require(all(type(text) is str and len(text) <= MAX_BOUND for text in texts), f"at most {MAX_BOUND} characters")
     radius, start, rate = map(rational, texts)
     builds = read_builds(array)
     within = 0 < radius < start and rate > 0 and (array.radius - array.field.rational(start)).sign() >= 0
@@ -61,7 +61,7 @@ def show_tolerances(array: Array, hypotheses: Any, proofs: Proofs) -> list[State
 
 def leads_inward(velocity: Pair, quadrant: tuple[int, int], ends: Iterable[Point], rate: int) -> bool:
     """Whether ``c . w <= -rate |c|`` at points, w being that velocity for which ``c . w`` is the largest there."""
-    a, b = (own.high if sign > 0 else own.low for own, sign in zip(velocity, quadrant, strict=True))
+    a, b = (component.high if sign > 0 else component.low for component, sign in zip(velocity, quadrant, strict=True))
     changes = [(x * a + y * b, rate * rate * (x * x + y * y)) for x, y, _ in ends]
     return all(change <= 0 and change * change >= least for change, least in changes)
 
@@ -89,7 +89,7 @@ class Build:
 
     def middle(self) -> list[Jet]:
         """Speed, rim and place of the certificate's wheel."""
-        return [Jet(own) for own in (self.speed, *self.rim, *self.place)]
+        return [Jet(value) for value in (self.speed, *self.rim, *self.place)]
 
     def box(self, before: int) -> list[Jet]:
         """The same over all builds, with slopes in parameters of another wheel and, after ``before`` of these, its own.
@@ -105,14 +105,14 @@ class Build:
         in_speed, in_x, in_y = (ONE, ZERO, ZERO, ZERO), (ZERO, ZERO, ONE, ZERO), (ZERO, ZERO, ZERO, ONE)
         slopes = in_speed, (ZERO, -b, ZERO, ZERO), (ZERO, a, ZERO, ZERO), in_x, in_y
         others = (ZERO,) * 4
-        return [Jet(v, others[:before] + own + others[before:]) for v, own in zip(values, slopes, strict=True)]
+        return [Jet(v, others[:before] + slope + others[before:]) for v, slope in zip(values, slopes, strict=True)]
 
 
 def read_builds(array: Array) -> list[Build]:
     """All wheels with the tolerances."""
     require(array.tolerances is not None and array.rule == NEAREST, "tolerances, under rule nearest")
     require(len(array.wheels) > 1, "two wheels at least, which fix the motion")
-    sizes = [interval(own).high for own in array.tolerances or ()]
+    sizes = [interval(tolerance).high for tolerance in array.tolerances or ()]
     step, turn, *shares = sizes
     sound = min(sizes) >= 0 and max(shares) < GRID and 2 * turn < GRID
     require(sound and all(wheel.drive is None for wheel in array.wheels.values()), SOUND)
@@ -135,7 +135,7 @@ def motion(first: Build, second: Build, kind: str) -> Pair:
     charge(4_000)
     middle = _velocity(first.middle(), second.middle(), kind)
     over = _velocity(first.box(0), second.box(4), kind)
-    x, y = (mean_value(at.value, own, first.sizes + second.sizes) for at, own in zip(middle, over, strict=True))
+    x, y = (mean_value(at.value, jet, first.sizes + second.sizes) for at, jet in zip(middle, over, strict=True))
     return x, y
 
 

@@ -126,11 +126,11 @@ class Field:
 
     def basis(self) -> list[Monomial]:
         """All products of generators with powers below their degrees."""
-        limit(math.prod(own.degree for own in self.generators) <= MAX_DIMENSION, "quotients in small fields")
-        found: list[Monomial] = [()]
-        for k, own in enumerate(self.generators):
-            found = [(*before, *[k] * power) for before in found for power in range(own.degree)]
-        return found
+        limit(math.prod(g.degree for g in self.generators) <= MAX_DIMENSION, "quotients in small fields")
+        monomials: list[Monomial] = [()]
+        for k, generator in enumerate(self.generators):
+            monomials = [(*before, *[k] * power) for before in monomials for power in range(generator.degree)]
+        return monomials
 
     def reduced(self, monomial: Monomial) -> Number:
         """A product of generators, by products with powers below their degrees."""
@@ -255,15 +255,15 @@ class Number:
         basis = self.field.basis()
         size = len(basis)
         charge(size**3, size**5 * self.words**2)  # entries of the elimination grow with the size
-        images = [self * Number(self.field, {own: 1}) for own in basis]
-        rows = [[*(Fraction(image.terms.get(own, 0), image.bottom) for image in images)] for own in basis]
-        rows = [[*row, Fraction(own == ())] for row, own in zip(rows, basis, strict=True)]
+        images = [self * Number(self.field, {monomial: 1}) for monomial in basis]
+        rows = [[*(Fraction(image.terms.get(monomial, 0), image.bottom) for image in images)] for monomial in basis]
+        rows = [[*row, Fraction(monomial == ())] for row, monomial in zip(rows, basis, strict=True)]
         for k in range(size):
             pivot = next((i for i in range(k, size) if rows[i][k]), k)
             require(rows[pivot][k], "divisors that are not zero")
             clear_column(rows, k, pivot, k)
         bottom = math.lcm(*(row[-1].denominator for row in rows))
-        return Number(self.field, {own: int(row[-1] * bottom) for own, row in zip(basis, rows, strict=True)}, bottom)
+        return Number(self.field, {m: int(row[-1] * bottom) for m, row in zip(basis, rows, strict=True)}, bottom)
 
     def __truediv__(self, value: Real) -> Number:
         return self * (value.inverse() if isinstance(value, Number) else 1 / Fraction(value))

@@ -70,12 +70,12 @@ class Array:
     @cached_property
     def rows(self) -> dict[Row, Vector]:
         """All rows, wheel by wheel."""
-        return {(kind, k): row for k, own in self.wheels.items() for kind, row in zip("RS", own.rows, strict=True)}
+        return {(kind, k): row for k, w in self.wheels.items() for kind, row in zip("RS", w.rows, strict=True)}
 
     @cached_property
     def friction(self) -> dict[Row, Number]:
         """The coefficient of each row."""
-        return {(kind, k): mu for k, own in self.wheels.items() for kind, mu in zip("RS", own.friction, strict=True)}
+        return {(kind, k): mu for k, w in self.wheels.items() for kind, mu in zip("RS", w.friction, strict=True)}
 
 
 TOLERANCES = "position heading speed mu_roll mu_side"
@@ -145,7 +145,7 @@ def _elastic_forms(array: Array, active: set[int]) -> dict[int, Vector]:
     gram = [tuple(total([m[r] * m[s] for m in carrying]) for s in range(3)) for r in range(3)]
     adjugate = [normal_to(gram[r - 2], gram[r - 1]) for r in range(3)]
     require(dot(gram[0], adjugate[0]).sign() > 0, "loaded wheels that are not collinear")
-    return {k: tuple(dot(column, own.place) for column in adjugate) for k, own in array.wheels.items()}
+    return {k: tuple(dot(column, wheel.place) for column in adjugate) for k, wheel in array.wheels.items()}
 
 
 def edge_slopes(rows: dict[Row, Vector], slips: dict[Row, int], limits: Limits) -> Iterator[tuple[Vector, list[int]]]:
@@ -183,12 +183,12 @@ def _without_denominators(rows: dict[Row, Vector], limits: Limits) -> tuple[dict
     """Positive multiples that are whole: of each normal, and at each corner of all limits, by which D is the same."""
     bottoms = {row: _common_denominator(normal[:3]) for row, normal in rows.items()}
     normals = {row: tuple(x * bottoms[row] for x in normal[:3]) for row, normal in rows.items()}
-    found: list[dict[Row, Number]] = []
+    whole_limits: list[dict[Row, Number]] = []
     for at_corner in limits:
-        own = {row: limit / bottoms[row] for row, limit in at_corner.items()}
-        bottom = _common_denominator(own.values())
-        found.append({row: limit * bottom for row, limit in own.items()})
-    return normals, found
+        quotients = {row: limit / bottoms[row] for row, limit in at_corner.items()}
+        bottom = _common_denominator(quotients.values())
+        whole_limits.append({row: limit * bottom for row, limit in quotients.items()})
+    return normals, whole_limits
 
 
 def _common_denominator(numbers: Iterable[Number]) -> int:

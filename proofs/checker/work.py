@@ -118,9 +118,9 @@ def take_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     Raises:
         RejectedError: where one does.
     """
-    found = dict(pairs)
-    require(len(found) == len(pairs), "every key once")
-    return found
+    entries = dict(pairs)
+    require(len(entries) == len(pairs), "every key once")
+    return entries
 
 
 def take(data: Any, names: str, optional: str = "") -> list[Any]:
