@@ -85,13 +85,16 @@ class SplitFrame:
     def written(self, states: Sequence[str]) -> Record:
         """Both maps as cells of a certificate hold them: matrices, or formulas in the names of the states."""
         if not self.bend:
-            rows = [[list(map(str, row)) for row in own.tolist()] for own in (self.basis, self.inverse)]
+            rows = [[list(map(str, row)) for row in matrix.tolist()] for matrix in (self.basis, self.inverse)]
             return {"frame": rows}
         count, size = len(states), self.bend[0].count
-        own = identity(count)
-        center = times(self.inverse, own)[:size]
-        bent = [line + part.on(own[:size], count) for line, part in zip(times(self.basis, own), self.bend, strict=True)]
-        back = times(self.inverse, [x - part.on(center, count) for x, part in zip(own, self.bend, strict=True)])
+        coordinates = identity(count)
+        center = times(self.inverse, coordinates)[:size]
+        bent = [
+            line + part.on(coordinates[:size], count)
+            for line, part in zip(times(self.basis, coordinates), self.bend, strict=True)
+        ]
+        back = times(self.inverse, [x - part.on(center, count) for x, part in zip(coordinates, self.bend, strict=True)])
         return {"coordinates": [[formula_text(part, states) for part in way] for way in (bent, back)]}
 
 
@@ -124,9 +127,9 @@ def center_functions(field: Sequence[Polynomial]) -> Iterator[SuggestedFunction]
     if split is None:
         return
     reduced = Reduction(split, field)
-    found = reduced.line() if split.size == 1 else reduced.circle()
-    if found is not None:
-        yield from reduced.functions(found)
+    leading = reduced.line() if split.size == 1 else reduced.circle()
+    if leading is not None:
+        yield from reduced.functions(leading)
 
 
 # ---- centre and stable subspace ------------------------------------------------------------------
@@ -261,20 +264,22 @@ class Reduction:
     def _manifold(self, order: int) -> Vector:
         """The manifold h up to an order: its terms of degree j solve ``Dh_j A_c u - A h_j = r_j``."""
         split = self.split
-        found = [constant(split.size, 0)] * split.count
+        manifold = [constant(split.size, 0)] * split.count
         for degree in range(2, order + 1):
-            moved = self._along(found, degree)
-            carried = [self._carried(own, moved, degree) for own in found]
+            moved = self._along(manifold, degree)
+            carried = [self._carried(component, moved, degree) for component in manifold]
             stable = times(_identity(split.count) - split.onto_center, moved)
-            missing = [part_of(own - other, degree) for own, other in zip(stable, carried, strict=True)]
-            found = [own + more for own, more in zip(found, self._homological(missing, degree), strict=True)]
-        return found
+            missing = [part_of(velocity - other, degree) for velocity, other in zip(stable, carried, strict=True)]
+            manifold = [
+                component + more for component, more in zip(manifold, self._homological(missing, degree), strict=True)
+            ]
+        return manifold
 
     def _along(self, manifold: Sequence[Polynomial], degree: int) -> Vector:
         """``f(R u + h(u))`` up to a degree."""
         size = self.split.size
         places = times(self.split.right, identity(size))
-        places = [own + more for own, more in zip(places, manifold, strict=True)]
+        places = [place + more for place, more in zip(places, manifold, strict=True)]
         return [_composed(part, places, size, degree) for part in self.field]
 
     def _carried(self, value: Polynomial, moved: Sequence[Polynomial], degree: int) -> Polynomial:
@@ -295,7 +300,7 @@ class Reduction:
                     rows[k * width + place[other]][k * width + j] += as_fmpq(value)
                 for i in range(count):
                     rows[i * width + j][k * width + j] -= split.hurwitz[i, k]
-        right = [as_fmpq(own.terms.get(key, Fraction(0))) for own in missing for key in monomials]
+        right = [as_fmpq(form.terms.get(key, Fraction(0))) for form in missing for key in monomials]
         solved = fmpq_mat(rows).solve(fmpq_mat(len(right), 1, right))
         parts = [[as_fraction(solved[k * width + j, 0]) for j in range(width)] for k in range(count)]
         return [Polynomial(split.size, dict(zip(monomials, part, strict=True))) for part in parts]
@@ -325,19 +330,21 @@ class Reduction:
         """Two centre coordinates that turn: the first of Lyapunov's quantities that is not zero decides."""
         most = 2 if self.split.count > self.split.size else MOST_POWER
         moved = self._along(self.manifold, 2 * most - 1)
-        found = kept = self._kept()
+        potential = invariant = self._kept()
         for power in range(2, most + 1):
-            odd = self._averaged(part_of(self._carried(found, moved, 2 * power - 1), 2 * power - 1), None)
+            odd = self._averaged(part_of(self._carried(potential, moved, 2 * power - 1), 2 * power - 1), None)
             if odd is None:
                 return None
-            found -= odd[0]
-            even = self._averaged(part_of(self._carried(found, moved, 2 * power), 2 * power), kept.power(power))
+            potential -= odd[0]
+            even = self._averaged(
+                part_of(self._carried(potential, moved, 2 * power), 2 * power), invariant.power(power)
+            )
             if even is None:
                 return None
-            found, quantity = found - even[0], even[1]
+            potential, quantity = potential - even[0], even[1]
             if quantity:
                 words = f"on the centre manifold W = u**2 + ... has W' = {_multiple(quantity, 'W', power)} + ..."
-                return Leading(found if quantity < 0 else -found, 2 * power, quantity, quantity < 0, words)
+                return Leading(potential if quantity < 0 else -potential, 2 * power, quantity, quantity < 0, words)
         return None
 
     def _kept(self) -> Polynomial:
@@ -346,22 +353,22 @@ class Reduction:
         form = Polynomial(2, {(2, 0): c, (1, 1): -2 * a, (0, 2): -b})
         return form.times(1 / c)
 
-    def _averaged(self, missing: Polynomial, kept: Polynomial | None) -> tuple[Polynomial, Fraction] | None:
+    def _averaged(self, missing: Polynomial, invariant: Polynomial | None) -> tuple[Polynomial, Fraction] | None:
         """The form F and the number c with ``grad F . A_c u + c W_2^k = r`` for the form r.
 
         Args:
             missing: r.
-            kept: ``W_2^k``, of the degree of r; c is 0 without it.
+            invariant: ``W_2^k``, of the degree of r; c is 0 without it.
         """
         degree = max(map(sum, missing.terms), default=0)
         if not degree:
             return missing, Fraction(0)
         monomials = monomials_between(2, degree, degree)
         columns = [self._rotated(Polynomial(2, {key: Fraction(1)})) for key in monomials]
-        columns += [kept] if kept is not None else []
-        rows = [[as_fmpq(own.terms.get(key, Fraction(0))) for own in columns] for key in monomials]
+        columns += [invariant] if invariant is not None else []
+        rows = [[as_fmpq(column.terms.get(key, Fraction(0))) for column in columns] for key in monomials]
         right = [as_fmpq(missing.terms.get(key, Fraction(0))) for key in monomials]
-        if kept is not None:  # multiples of it may be added to F
+        if invariant is not None:  # multiples of it may be added to F
             rows.append([fmpq(1), *[fmpq(0)] * len(monomials)])
             right.append(fmpq(0))
         try:
@@ -370,7 +377,7 @@ class Reduction:
             return None
         values = [as_fraction(solved[i, 0]) for i in range(len(rows))]
         form = Polynomial(2, dict(zip(monomials, values, strict=False)))
-        return form, values[-1] if kept is not None else Fraction(0)
+        return form, values[-1] if invariant is not None else Fraction(0)
 
     # -- the functions
 
@@ -380,11 +387,11 @@ class Reduction:
         count, half = split.count, leading.weight // 2
         center = times(split.left, identity(count))
         beside = times(_identity(count) - split.onto_center, identity(count))
-        manifold = [_cut(own, half) for own in self.manifold]
-        off = [own - other.on(center, count) for own, other in zip(beside, manifold, strict=True)]
+        manifold = [_cut(component, half) for component in self.manifold]
+        off = [form - other.on(center, count) for form, other in zip(beside, manifold, strict=True)]
         base = leading.potential.on(center, count)
-        for row, own in zip(self._mixed(leading), off, strict=True):
-            base += row.on(center, count) * own
+        for row, offset in zip(self._mixed(leading), off, strict=True):
+            base += row.on(center, count) * offset
         frames = self._frames(leading, manifold)
         for gain in GAINS if count > split.size else (0,):
             function = base + self._square(off).times(gain) if gain else base
@@ -395,7 +402,7 @@ class Reduction:
         split = self.split
         if split.count == split.size:
             return (None,)
-        if any(sum(e) < leading.weight // 2 for own in manifold for e in own.terms):
+        if any(sum(e) < leading.weight // 2 for component in manifold for e in component.terms):
             return tuple(split.frame(scale, manifold) for scale in SCALES)
         skew = tuple(map(split.frame, SCALES))
         return skew if leading.attracts and not split.is_along_axes else (None, *skew)
@@ -415,12 +422,12 @@ class Reduction:
         B is the derivative by w of ``w' = (I - R L) f - Dh L f``.
         """
         split, half = self.split, leading.weight // 2
-        found = [constant(split.size, 0)] * split.count
+        mixed = [constant(split.size, 0)] * split.count
         if split.size > 1 or split.count == 1:
-            return found
+            return mixed
         beside = _identity(split.count) - split.onto_center
         places = times(split.right, [variable(1, 0)])
-        places = [own + more for own, more in zip(places, self.manifold, strict=True)]
+        places = [place + more for place, more in zip(places, self.manifold, strict=True)]
         jacobian = [[_composed(part.derivative(k), places, 1, half) for k in range(split.count)] for part in self.field]
         (speed,) = times(split.left, self._along(self.manifold, half + 1))
         slope = leading.potential.derivative(0)
@@ -429,15 +436,15 @@ class Reduction:
             for k in range(split.count):
                 column = [row[k] for row in jacobian]
                 (center,) = times(split.left, column)
-                own = slope * center
+                entry = slope * center
                 for i, part in enumerate(times(beside, column)):
-                    own += found[i] * (part - self.manifold[i].derivative(0) * center)
-                total[k] = own
+                    entry += mixed[i] * (part - self.manifold[i].derivative(0) * center)
+                total[k] = entry
             total = times(beside.transpose(), total)
-            total = [part_of(own + found[k].derivative(0) * speed, degree) for k, own in enumerate(total)]
+            total = [part_of(entry + mixed[k].derivative(0) * speed, degree) for k, entry in enumerate(total)]
             solved = times(split.hurwitz.transpose().inv(), total)
-            found = [own - more for own, more in zip(found, solved, strict=True)]
-        return found
+            mixed = [entry - more for entry, more in zip(mixed, solved, strict=True)]
+        return mixed
 
 
 # ---- polynomials in the centre coordinates -------------------------------------------------------
@@ -460,7 +467,7 @@ def _composed(value: Polynomial, places: Sequence[Polynomial], count: int, degre
     """
     total = constant(count, 0)
     for power in range(degree + 1):
-        needed = [_cut(own, degree + 1 - power) for own in places]
+        needed = [_cut(place, degree + 1 - power) for place in places]
         total += part_of(value, power).on(needed, count)
     return _cut(total, degree)
 
@@ -499,9 +506,9 @@ def show_by_center_manifold(system: SwitchedSystem) -> tuple[SuggestedFunction, 
             if not proposals or (number == WIDE and not proposals[0].is_whole):
                 return None
             for proposal in proposals:
-                found = _shown(system, subject, stated, proposal, search)
-                if found is not None:
-                    return proposal, found
+                outcome = _shown(system, subject, stated, proposal, search)
+                if outcome is not None:
+                    return proposal, outcome
     except NotShownError:
         return None
     return None
@@ -526,7 +533,7 @@ def smooth_fields(
         return
     for number, share in enumerate(shares):
         stated = sharpened(stated_cells(system, system.check.radius * share), subject, search)
-        around = {tuple(own) for own in fields_around(stated, subject.stated, search)}
+        around = {tuple(field) for field in fields_around(stated, subject.stated, search)}
         if len(around) == 1:
             yield number, stated, unscaled(around.pop(), stated)
 

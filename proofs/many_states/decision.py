@@ -230,9 +230,11 @@ def _short_quadratic(matrix: fmpq_mat) -> fmpq_mat | None:
     floats = np.array(exact.tolist(), dtype=float)
     floats /= np.abs(floats).max()
     for denominator in DENOMINATORS:
-        found = fmpq_mat([[simplest(float(value), denominator) for value in row] for row in floats])
-        if all(is_definite(own.tolist()) for own in (found, -(matrix.transpose() * found + found * matrix))):
-            return found
+        candidate = fmpq_mat([[simplest(float(value), denominator) for value in row] for row in floats])
+        if all(
+            is_definite(form.tolist()) for form in (candidate, -(matrix.transpose() * candidate + candidate * matrix))
+        ):
+            return candidate
     return exact
 
 
@@ -316,15 +318,15 @@ class SpacePoint(CheckedPoint):
         except BeyondReachError:
             return None
 
-    def reach(self, found: Finding) -> Reach:
+    def reach(self, finding: Finding) -> Reach:
         """Whether every start of the space reaches the point."""
-        if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
+        if finding.verdict is not Translation.ASYMPTOTICALLY_STABLE:
             return Reach()
         try:
             linear = self.linear is not None and self.linear.is_whole
         except BeyondReachError:  # states that were decided by themselves
             linear = False
-        forms = found.function is not None and found.function.is_homogeneous and self.system.by_roots is None
+        forms = finding.function is not None and finding.function.is_homogeneous and self.system.by_roots is None
         return Reach(linear or forms)
 
 
@@ -350,7 +352,9 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
     Nor is it where numbers or unit vectors are enclosed, unless all velocities vanish.
     """
     near = adjoining(cells)
-    velocities = {tuple(scene.field(part.at_origin) for part in own) for cell in near for own in cell.velocities}
+    velocities = {
+        tuple(scene.field(part.at_origin) for part in velocity) for cell in near for velocity in cell.velocities
+    }
     columns, target = mixtures_to_zero(sorted(velocities, key=str))
     if best_mixture(columns, target, [scene.field.zero] * len(columns)) is None:
         return Equilibrium.FAILS
@@ -425,13 +429,17 @@ def search_large_function(point: SpacePoint) -> Finding | None:
 
 def decide_by_sum_of_squares(point: SpacePoint) -> Finding | None:
     """The sum of squares that nobody named with all work, where nothing else is found."""
-    spectrum, shown = point.spectrum, point.known.function is not None
-    if not point.system.check.is_default or spectrum is Spectrum.HURWITZ or (spectrum is Spectrum.NEUTRAL and shown):
+    spectrum, has_function = point.spectrum, point.known.function is not None
+    if (
+        not point.system.check.is_default
+        or spectrum is Spectrum.HURWITZ
+        or (spectrum is Spectrum.NEUTRAL and has_function)
+    ):
         return None
     hasty = point.given
-    found = _by_stated_function(point, Effort.FULL)
-    if found is None or found.is_final or point.known.function is None:
-        return found
+    finding = _by_stated_function(point, Effort.FULL)
+    if finding is None or finding.is_final or point.known.function is None:
+        return finding
     point.given = hasty  # which shows the same
     return None
 

@@ -78,8 +78,8 @@ def refuting_point(condition: Condition, *, strictly: bool) -> Point | None:
     for k in np.argsort(value)[:TRIES]:
         step = FINE * round(1 / float(halved[k]))
         point = tuple(fmpq(round(float(x) * step), step) for x in points[k])
-        found = value_at(condition.constant, point)
-        fails = found < 0 or (not found and not strictly and any(point))
+        exact = value_at(condition.constant, point)
+        fails = exact < 0 or (not exact and not strictly and any(point))
         if fails and all(value_at(guard, point) > 0 for guard in condition.guards):
             return point
     return None
@@ -104,7 +104,7 @@ def rising_slide(conditions: Functions, zero: Sequence[int]) -> tuple[tuple[Frac
         zero: the surfaces that vanish on the face.
     """
     inclusion = conditions.inclusion
-    face = next((own for own in inclusion.faces() if own.zero == tuple(zero)), None)
+    face = next((face for face in inclusion.faces() if face.zero == tuple(zero)), None)
     if face is None or face.curved or not face.dimension:
         return None
     radius = inclusion.domain.radius
@@ -143,7 +143,7 @@ def _is_clear(inclusion: Inclusion, signs: Sequence[int]) -> bool:
     if all(surface.degree == 1 for surface in listed):
         return True
     here = [surface for surface, s in zip(listed, signs, strict=True) if not s]
-    return all(surface.degree == 1 for surface in here) and _rank([rational_slopes(own) for own in here]) == len(here)
+    return all(surface.degree == 1 for surface in here) and _rank([rational_slopes(h) for h in here]) == len(here)
 
 
 def _largest_rise(
@@ -158,7 +158,9 @@ def _largest_rise(
         return None
     potential = conditions.potential(around[0])
     gradient = [_value(potential.derivative(k), point) for k in range(potential.count)]
-    fields = dict.fromkeys(tuple(_value(part, point) for part in own) for cell in around for _, own in cell.fields)
+    fields = dict.fromkeys(
+        tuple(_value(part, point) for part in velocity) for cell in around for _, velocity in cell.fields
+    )
     rises = [_dot(gradient, velocity) for velocity in fields]
     across = [tuple(_dot(normal, velocity) for normal in normals) for velocity in fields]
     if max(rises) <= 0 or any(min(speeds) > 0 or max(speeds) < 0 for speeds in zip(*across, strict=True)):
@@ -250,14 +252,16 @@ class ExaminedLyapunov(ExaminedFunction):
     @property
     def proofs(self) -> Record:
         """The evidence of what is shown, by the names of the claims."""
-        return {own.claim.name: own.found.evidence for own in self.asked if own.found is not None}
+        return {question.claim.name: question.found.evidence for question in self.asked if question.found is not None}
 
     @property
     def is_homogeneous(self) -> bool:
         """Whether cells are cones and every claim is about forms: then it holds at every distance."""
         if self.decrease not in PROVES:
             return False
-        return self.cells.are_cones and self.cells.beyond and are_about_forms([own.claim for own in self.asked])
+        return (
+            self.cells.are_cones and self.cells.beyond and are_about_forms([question.claim for question in self.asked])
+        )
 
     @property
     def domain(self) -> Domain:
@@ -274,15 +278,20 @@ class ExaminedLyapunov(ExaminedFunction):
         """What follows from them."""
         if self.failure is not None:
             return Decrease.REFUTED
-        found = [own.found for own in self.asked]
-        if None in found:
+        proofs = [question.found for question in self.asked]
+        if None in proofs:
             return Decrease.UNDECIDED
-        return Decrease.STRICT if all(own is not None and own.strict for own in found) else Decrease.WEAK
+        return Decrease.STRICT if all(proof is not None and proof.strict for proof in proofs) else Decrease.WEAK
 
     @property
     def is_kept(self) -> bool:
         """Whether V, one polynomial, has V' = 0 on all cells."""
-        values = [own.value for asked in self.asked if asked.is_about_fall for own in asked.claim.inequalities]
+        values = [
+            inequality.value
+            for question in self.asked
+            if question.is_about_fall
+            for inequality in question.claim.inequalities
+        ]
         return self.decrease is Decrease.WEAK and not self.formula.switching_parts and not any(values)
 
     @property
@@ -290,8 +299,8 @@ class ExaminedLyapunov(ExaminedFunction):
         """The same as a sentence."""
         if self.failure is not None:
             return self.failure.meaning
-        left = next((own for own in self.asked if own.found is None), None)
-        return self.decrease.value if left is None else _open_words(left)
+        open_question = next((question for question in self.asked if question.found is None), None)
+        return self.decrease.value if open_question is None else _open_words(open_question)
 
     @property
     def witness(self) -> Refutation | None:
@@ -311,10 +320,10 @@ class ExaminedLyapunov(ExaminedFunction):
 
     def known_proofs(self, reach: Reach) -> Record:
         """The evidence that was found of its conditions and its reach, by the names of claims."""
-        found = {**self.stated.proofs, **self.proofs}
+        proofs = {**self.stated.proofs, **self.proofs}
         for more in (reach.near, reach.region, reach.rate, reach.gain):
-            found |= {} if more is None else more.proofs
-        return found
+            proofs |= {} if more is None else more.proofs
+        return proofs
 
 
 def are_about_forms(claims: Sequence[Claim]) -> bool:
@@ -345,15 +354,15 @@ def examine(
     examined = ExaminedLyapunov(formula, radius, stated, conditions)
     claims = conditions.claims()
     failure = find_failure(stated.cells, claims)
-    asked: list[Asked] = []
-    while failure is None and len(asked) < len(claims):
-        asked.append(answer(claims[len(asked)], effort))
-        if asked[-1].found is None:
-            failure = _met_failure(stated.cells, asked[-1])
+    questions: list[Asked] = []
+    while failure is None and len(questions) < len(claims):
+        questions.append(answer(claims[len(questions)], effort))
+        if questions[-1].found is None:
+            failure = _met_failure(stated.cells, questions[-1])
             if failure is None and effort is Effort.FULL:
-                failure = find_slide(system, conditions, asked[-1].claim)
+                failure = find_slide(system, conditions, questions[-1].claim)
             break
-    return replace(examined, asked=tuple(asked) if failure is None else (), failure=failure)
+    return replace(examined, asked=tuple(questions) if failure is None else (), failure=failure)
 
 
 def conditions_on(
@@ -382,13 +391,13 @@ def answer(claim: Claim, effort: Effort) -> Asked:
     """
     if effort is Effort.FULL and claim.name.split()[0] == POSITIVE:
         effort = Effort.STRICT
-    found, against = find(claim, effort), None
+    proof, against = find(claim, effort), None
     for strict in SENSES[effort]:
-        if found is None:
+        if proof is None:
             outcome = decide_claim(replace(claim, strict=strict), WORK, but=SQUARES)
-            found = Shown(outcome.evidence, strict) if isinstance(outcome, Proof) else None
+            proof = Shown(outcome.evidence, strict) if isinstance(outcome, Proof) else None
             against = outcome if isinstance(outcome, Counterexample) else None
-    return Asked(claim, found, against)
+    return Asked(claim, proof, against)
 
 
 def find_failure(cells: SignCells, claims: Sequence[Claim]) -> Refutation | None:
@@ -406,12 +415,12 @@ def find_failure(cells: SignCells, claims: Sequence[Claim]) -> Refutation | None
     return None
 
 
-def _met_failure(cells: SignCells, own: Asked) -> Refutation | None:
+def _met_failure(cells: SignCells, question: Asked) -> Refutation | None:
     """A point that was met in the search of a proof about a cell, at which V is not positive or increases."""
-    kind, met = own.claim.name.split()[0], own.against
-    if met is None or kind == FACE or (kind != POSITIVE and not met.value):
+    kind, counterexample = question.claim.name.split()[0], question.against
+    if counterexample is None or kind == FACE or (kind != POSITIVE and not counterexample.value):
         return None
-    return _failure(cells, met.point, met.value, positive=kind == POSITIVE)
+    return _failure(cells, counterexample.point, counterexample.value, positive=kind == POSITIVE)
 
 
 def find_slide(system: SwitchedSystem, conditions: Functions, claim: Claim) -> Refutation | None:
@@ -425,8 +434,8 @@ def find_slide(system: SwitchedSystem, conditions: Functions, claim: Claim) -> R
     kind, *signs = claim.name.split()  # without a surface there are no signs
     if kind != FACE or system.only_encloses:
         return None
-    found = rising_slide(conditions, [j for j, sign in enumerate(signs[0]) if sign == "0"])
-    return None if found is None else Refutation(*found, SLIDES_UP)
+    slide = rising_slide(conditions, [j for j, sign in enumerate(signs[0]) if sign == "0"])
+    return None if slide is None else Refutation(*slide, SLIDES_UP)
 
 
 def _failure(cells: SignCells, point: Point, value: fmpq, *, positive: bool) -> Refutation:
@@ -436,8 +445,8 @@ def _failure(cells: SignCells, point: Point, value: fmpq, *, positive: bool) -> 
     return Refutation(place, -at_point / as_fraction(cells.radius), RISES)
 
 
-def _open_words(own: Asked) -> str:
-    if own.claim.name.split()[0] == FACE:
+def _open_words(question: Asked) -> str:
+    if question.claim.name.split()[0] == FACE:
         return "no proof was found that V falls where it bends"
-    sense = "V' < 0" if own.is_about_fall else "V > 0"
+    sense = "V' < 0" if question.is_about_fall else "V > 0"
     return f"no proof was found of {sense} on a cell, and no point refutes it"

@@ -121,14 +121,14 @@ def proposals(
         for k in (0, *range(len(cubes) - 1, 0, -1)):
             if number >= len(bases[k]):
                 continue
-            (radius, cells), basis, found = cubes[k], bases[k][number], list[PiecewiseExpression]()
+            (radius, cells), basis, formulas = cubes[k], bases[k][number], list[PiecewiseExpression]()
             if k not in too_large or not set(too_large[k]).issubset(basis):
                 try:
-                    found = list(_of_family(system, cells, basis, positive=positive, entries=entries))
+                    formulas = list(_of_family(system, cells, basis, positive=positive, entries=entries))
                 except _TooLargeError:
                     too_large[k] = basis
-            yield from ((radius, formula) for formula in found)
-            if k and not found:
+            yield from ((radius, formula) for formula in formulas)
+            if k and not formulas:
                 break
 
 
@@ -138,16 +138,16 @@ class _TooLargeError(ValueError):
 
 def _cubes(system: SwitchedSystem) -> list[tuple[Number, SignCells]]:
     """The checked cube and smaller ones, as far as their cells are looked at; one where all look alike."""
-    found: list[tuple[Number, SignCells]] = []
+    cubes: list[tuple[Number, SignCells]] = []
     for scale in SCALES:
         radius = system.check.radius * scale
         try:
-            found.append((radius, build_cells(system, radius)))
+            cubes.append((radius, build_cells(system, radius)))
         except BeyondReachError:
             continue
-        if scale == 1 and _looks_alike(found[0][1]):
+        if scale == 1 and _looks_alike(cubes[0][1]):
             break
-    return found
+    return cubes
 
 
 def _looks_alike(cells: SignCells) -> bool:
@@ -177,8 +177,8 @@ def _of_family(
     solved = solve_inside(problems, parameters, bounded=True)
     seen = {"0"}
     for denominator in DENOMINATORS if solved is not None else ():
-        found = None if solved is None else round_parameters(*solved, denominator)
-        text = "0" if found is None else formula_text(basis, _unscaled(basis, found, cells.radius))
+        coefficients = None if solved is None else round_parameters(*solved, denominator)
+        text = "0" if coefficients is None else formula_text(basis, _unscaled(basis, coefficients, cells.radius))
         if text in seen:
             continue
         seen.add(text)
@@ -207,10 +207,10 @@ def _problems(
     parameters, above, falling = len(basis), list[Problem](), list[Problem]()
     for claims in zip(*by_function, strict=True):
         shapes = mu_shapes(claims)
-        kept = above if claims[0].name.split()[0] == POSITIVE else falling
+        problems = above if claims[0].name.split()[0] == POSITIVE else falling
         for condition in map(normalized, about_sum(claims, sizes, shapes, parameters)):
             if condition.slopes:
-                kept.append((condition, build_blocks(condition)))
+                problems.append((condition, build_blocks(condition)))
         parameters += len(shapes)
     return above, falling, parameters
 
@@ -230,15 +230,15 @@ def about_sum(
         condition = condition_of(claims[0], inequality, shapes)
         slopes = {start + k: slope for k, slope in condition.slopes.items() if slope}
         for k, (claim, size) in enumerate(zip(claims, sizes, strict=True)):
-            own = terms_of(claim.inequalities[number].value)
-            if own:
-                slopes[k] = {e: c / size for e, c in own.items()}
+            terms = terms_of(claim.inequalities[number].value)
+            if terms:
+                slopes[k] = {e: c / size for e, c in terms.items()}
         yield replace(condition, constant={}, slopes=dict(sorted(slopes.items())))
 
 
-def _unscaled(basis: Sequence[PiecewiseFunction], found: Sequence[fmpq], radius: fmpq) -> list[fmpq]:
+def _unscaled(basis: Sequence[PiecewiseFunction], coefficients: Sequence[fmpq], radius: fmpq) -> list[fmpq]:
     top = max(function.degree for function in basis)
-    values = [c * radius ** (top - f.degree) for f, c in zip(basis, found, strict=False)]
+    values = [c * radius ** (top - f.degree) for f, c in zip(basis, coefficients, strict=False)]
     return values
 
 
@@ -257,7 +257,7 @@ def find_growth(system: SwitchedSystem, entries: range = SMALL) -> Record | None
         BeyondReachError: for a system that is not decided here.
     """
     proposed = proposals(system, positive=False, entries=entries)
-    falling = (_shown(system, own, radius, Effort.STRICT) for radius, own in proposed)
+    falling = (_shown(system, formula, radius, Effort.STRICT) for radius, formula in proposed)
     return next(filter(None, falling), None)
 
 
@@ -268,10 +268,10 @@ def find_growing_product(system: SwitchedSystem) -> Record | None:
         BeyondReachError: for a system that is not decided here.
     """
     for radius, cells in _cubes(system):
-        for own in _products(system):
-            found = _shown(system, own, radius, Effort.FULL, SPEED) if _may_fall(system, cells, own) else None
-            if found is not None:
-                return found
+        for formula in _products(system):
+            entry = _shown(system, formula, radius, Effort.FULL, SPEED) if _may_fall(system, cells, formula) else None
+            if entry is not None:
+                return entry
     return None
 
 
@@ -301,16 +301,16 @@ def _products(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
     yield from (parse_piecewise(f"-({state}**2)", system.states) for state in system.states)
     for first, second in combinations(system.states, 2):
         for text in (f"{first}*{second}", f"{first}**2 - {second}**2"):
-            yield from (parse_piecewise(own, system.states) for own in (text, f"-({text})"))
+            yield from (parse_piecewise(formula, system.states) for formula in (text, f"-({text})"))
     if len(system.states) != 2:
         return
     first, second = system.states
     for state, power, sign in product(system.states, range(3, HIGHEST_POWER + 3), ("", "-")):
         yield parse_piecewise(f"{state}**{power} {sign or '+'} {first}*{second}", system.states)
-    for own in sorted(product(range(1, HIGHEST_POWER + 1), repeat=2), key=sum):
+    for powers in sorted(product(range(1, HIGHEST_POWER + 1), repeat=2), key=sum):
         for signs in product(("", "-"), repeat=2):
             sides = [f"relu({sign}{state})" for sign, state in zip(signs, system.states, strict=True)]
-            yield parse_piecewise(f"-{'*'.join(written_powers(sides, own))}", system.states)
+            yield parse_piecewise(f"-{'*'.join(written_powers(sides, powers))}", system.states)
 
 
 def _may_fall(system: SwitchedSystem, cells: SignCells, formula: PiecewiseExpression) -> bool:
@@ -320,10 +320,10 @@ def _may_fall(system: SwitchedSystem, cells: SignCells, formula: PiecewiseExpres
     points = float(cells.radius) * sample_points(len(slopes), bounded=True)
     for below in (value, *(-inner for inner in positive)):
         points = points[float_values(below.terms, points) < 0]
-    for own, field in _fields_at(cells, points):
-        rates = [float(SPEED) * np.square(float_values(value.terms, own))]
+    for cell_points, field in _fields_at(cells, points):
+        rates = [float(SPEED) * np.square(float_values(value.terms, cell_points))]
         for slope, part in zip(slopes, field, strict=True):
-            rates.append(float_values(slope, own) * float_values(part.terms, own))
+            rates.append(float_values(slope, cell_points) * float_values(part.terms, cell_points))
         if np.any(sum(rates) > SLACK * sum(map(np.abs, rates))):
             return False
     return len(points) > 0
@@ -354,10 +354,10 @@ def _proofs(claims: Sequence[Claim], effort: Effort) -> Record | None:
     """Evidence of all claims; None where that of one is not found."""
     proofs = {}
     for claim in claims:
-        found = answer(claim, effort).found
-        if found is None:
+        proof = answer(claim, effort).found
+        if proof is None:
             return None
-        proofs[claim.name] = found.evidence
+        proofs[claim.name] = proof.evidence
     return proofs
 
 
@@ -435,7 +435,7 @@ def show_relay_of(system: SwitchedSystem, verdict: str) -> Entry:
             continue
         ladder = _ladder(stated.cells, relay.surface)
         products = (before * after for before, after in pairwise(ladder))
-        function, *others = (polynomial_text(own, system.states) for own in (-relay.rising, *products))
+        function, *others = (polynomial_text(polynomial, system.states) for polynomial in (-relay.rising, *products))
         second = find_second(subject, stated.record, function, search, below=Fraction(0), others=others)
         if second is not None:
             near = [np.array(relay.direction, dtype=float)]
@@ -502,5 +502,5 @@ def _direction(ladder: Sequence[CheckedPolynomial], sense: int) -> tuple[Fractio
         return None
     wanted = [[fmpq(0)] for _ in ladder]
     wanted[0], wanted[-1] = [fmpq(1)], [fmpq(sense)]
-    found = rows.transpose() * gram.inv() * fmpq_mat(wanted)
-    return tuple(as_fraction(found[k, 0]) for k in range(count))
+    direction = rows.transpose() * gram.inv() * fmpq_mat(wanted)
+    return tuple(as_fraction(direction[k, 0]) for k in range(count))

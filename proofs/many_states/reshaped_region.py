@@ -78,13 +78,13 @@ class SearchEffort:
         Raises:
             TooMuchWorkError: for none of the first one.
         """
-        found = []
+        counts = []
         for one, most in zip(works, [self.work, *[self.further] * (len(works) - 1)], strict=True):
             rounds = self.rounds if most is None else min(self.rounds, most // max(one, 1) - 1)
-            found.append(max(rounds, 0))
-        if found[0] < 1:
+            counts.append(max(rounds, 0))
+        if counts[0] < 1:
             raise TooMuchWorkError(f"required {2 * works[0]} units of work, allowed {self.work}")
-        return found
+        return counts
 
 
 class TooMuchWorkError(Exception):
@@ -120,14 +120,19 @@ class _Shape:
 
 
 def find_reshaped_region(
-    system: SwitchedSystem, start: PiecewiseExpression, asked: str, announce: Announce, *, limit: Fraction | None = None
+    system: SwitchedSystem,
+    start: PiecewiseExpression,
+    budget: str,
+    announce: Announce,
+    *,
+    limit: Fraction | None = None,
 ) -> ReshapedRegion | None:
     """The widest region that the iteration finds and exact arithmetic shows; None where none is shown.
 
     Args:
         system: in rational numbers.
         start: a V that falls near the point, a polynomial of the displacement.
-        asked: how much may be done for it, of EFFORTS.
+        budget: how much may be done for it, of EFFORTS.
         announce: told what is done, how much of it, and of how much.
         limit: half the side of a cube that the region may not leave; None without one.
 
@@ -135,7 +140,7 @@ def find_reshaped_region(
         BeyondReachError: for a V that bends, and for a system that is not decided here.
         TooMuchWorkError: where what is asked allows no round.
     """
-    effort, search = EFFORTS[asked], _Iteration(system, start, limit)
+    effort, search = EFFORTS[budget], _Iteration(system, start, limit)
     shape = search.given()
     if shape is None:
         return None
@@ -178,8 +183,8 @@ class _Iteration:
     def __init__(self, system: SwitchedSystem, start: PiecewiseExpression, limit: Fraction | None) -> None:
         self.system, self.limit, self.count = system, limit, len(system.states)
         values = system.named()
-        own = start.polynomial(values, without_signs)
-        self.start = rational_terms(own)
+        polynomial = start.polynomial(values, without_signs)
+        self.start = rational_terms(polynomial)
         self._falls: dict[int, list[Condition]] = {}
         self.radius = rational(system.check.radius)
 
@@ -187,32 +192,34 @@ class _Iteration:
 
     def monomials(self, exponents: Sequence[Exponents]) -> list[PiecewiseFunction]:
         """Monomials as functions."""
-        return [monomial(self.system.states, own) for own in exponents]
+        return [monomial(self.system.states, powers) for powers in exponents]
 
     def falls(self, degree: int) -> list[Condition]:
         """``-V' > 0`` cell by cell and field by field, affine in the coefficients of V, without the cube."""
         if degree not in self._falls:
             monomials = monomials_between(self.count, 2, degree)
-            texts = [own.text for own in self.monomials(monomials)]
+            texts = [function.text for function in self.monomials(monomials)]
             stated = stated_cells(self.system, self.system.field(self.radius))
             functions = functions_on(self.system, stated, texts)
             by_function = [functions.claims(k, positive=False) for k in range(len(texts))]
-            sizes = [self.radius ** sum(own) for own in monomials]
-            asked = (own for claims in zip(*by_function, strict=True) for own in about_sum(claims, sizes))
-            self._falls[degree] = [replace(own, bounds=()) for own in asked]
+            sizes = [self.radius ** sum(exponents) for exponents in monomials]
+            conditions = (
+                condition for claims in zip(*by_function, strict=True) for condition in about_sum(claims, sizes)
+            )
+            self._falls[degree] = [replace(condition, bounds=()) for condition in conditions]
         return self._falls[degree]
 
     def falling(self, shape: _Shape) -> list[Condition]:
         """The same of one V."""
         degree = max(map(sum, shape.exponents))
-        found = []
+        conditions = []
         for condition in self.falls(degree):
             total: Terms = {}
             for k, value in enumerate(shape.terms.values()):
                 if k in condition.slopes and value:
                     total = add_terms(total, {e: c * value for e, c in condition.slopes[k].items()})
-            found.append(replace(condition, constant={e: c for e, c in total.items() if c}, slopes={}))
-        return found
+            conditions.append(replace(condition, constant={e: c for e, c in total.items() if c}, slopes={}))
+        return conditions
 
     # -- one step each
 
@@ -229,8 +236,8 @@ class _Iteration:
 
     def work(self, shape: _Shape) -> int:
         """What one program of each condition takes: the cubes of the numbers of unknowns, as in linear algebra."""
-        asked = self._below(shape, self.falling(shape), 1.0)
-        return sum(_unknowns(build_blocks(own)) ** 3 for own in asked)
+        programs = self._below(shape, self.falling(shape), 1.0)
+        return sum(_unknowns(build_blocks(program)) ** 3 for program in programs)
 
     def work_of(self, degree: int) -> int:
         """That of a V with all monomials up to a degree."""
@@ -247,14 +254,14 @@ class _Iteration:
         else:
             return None
         squares = self._squares(shape, conditions, most * share * INSIDE)
-        own = shape.times(1 / (most * share))
-        border = _border(own)
+        scaled_shape = shape.times(1 / (most * share))
+        border = _border(scaled_shape)
         if border is None:
             return None
         distances = row_norms(border)
         reach = float(np.log(distances).mean()) + float(np.log(float(self.radius)))
         # -V' - s (level - V) >= 0 says of V / level the same, with the same s
-        return None if squares is None else _Level(own, squares, border, reach)
+        return None if squares is None else _Level(scaled_shape, squares, border, reach)
 
     def _allowed(self, shape: _Shape, conditions: Sequence[Condition]) -> float:
         """The least V at which it is seen not to fall, and that the cube of the limit allows."""
@@ -266,9 +273,9 @@ class _Iteration:
         for length in np.geomspace(1 / FARTHEST, FARTHEST, PLACES):
             value = _at(along, length)
             bad = value <= 0
-            for rate, own in zip(rates, guards, strict=True):
+            for rate, condition_guards in zip(rates, guards, strict=True):
                 inside = np.ones(len(rays), dtype=bool)
-                for guard in own:
+                for guard in condition_guards:
                     inside &= _at(guard, length) >= 0
                 bad |= inside & (_at(rate, length) <= 0)
             if self.limit is not None:
@@ -279,16 +286,16 @@ class _Iteration:
 
     def _squares(self, shape: _Shape, conditions: Sequence[Condition], level: float) -> tuple[Terms, ...] | None:
         """The multiplier s of each condition at a level; None where none is found."""
-        found = []
-        for condition, asked in zip(conditions, self._below(shape, conditions, level), strict=True):
-            blocks = build_blocks(asked)
+        squares = []
+        for condition, program in zip(conditions, self._below(shape, conditions, level), strict=True):
+            blocks = build_blocks(program)
             if _unknowns(blocks) > MOST_UNKNOWNS:
                 return None
-            solved = solve([(asked, blocks)], 0, inner=0.0, bounded=False)
+            solved = solve([(program, blocks)], 0, inner=0.0, bounded=False)
             if solved is None:
                 return None
-            found.append(_square(blocks, solved, len(condition.guards)))
-        return tuple(found)
+            squares.append(_square(blocks, solved, len(condition.guards)))
+        return tuple(squares)
 
     def _below(self, shape: _Shape, conditions: Sequence[Condition], level: float) -> list[Condition]:
         """Conditions where V is below a level."""
@@ -303,12 +310,12 @@ class _Iteration:
             return before
         factor = Fraction(2) ** int(np.ceil(np.log2(extent)))
         sizes = [float(factor) ** sum(e) for e in before.shape.exponents]
-        known = self.radius, self._falls
+        previous = self.radius, self._falls
         self.radius, self._falls = self.radius * fmpq(factor.numerator, factor.denominator), {}
-        found = self.level(replace(before.shape, values=before.shape.values * np.array(sizes)))
-        if found is None:
-            self.radius, self._falls = known
-        return found or before
+        level = self.level(replace(before.shape, values=before.shape.values * np.array(sizes)))
+        if level is None:
+            self.radius, self._falls = previous
+        return level or before
 
     def improved(self, before: _Level, degree: int) -> _Level | None:
         """A V of a degree that reaches farther; None where none is found."""
@@ -318,18 +325,18 @@ class _Iteration:
         for condition, square in zip(self.falls(degree), before.squares, strict=True):
             slopes = dict(condition.slopes)
             for k, exponent in enumerate(exponents):
-                own = multiply_terms(square, {exponent: fmpq(1)})
-                slopes[k] = add_terms(slopes.get(k, {}), own)
-            asked = replace(condition, constant={e: -c for e, c in square.items()}, slopes=slopes)
-            problems.append((asked, build_blocks(asked)))
+                product = multiply_terms(square, {exponent: fmpq(1)})
+                slopes[k] = add_terms(slopes.get(k, {}), product)
+            program = replace(condition, constant={e: -c for e, c in square.items()}, slopes=slopes)
+            problems.append((program, build_blocks(program)))
         positive = Condition({}, {k: {e: fmpq(1)} for k, e in enumerate(exponents)}, (), (), self.count)
         problems.append((positive, build_blocks(positive)))
         if sum(_unknowns(blocks) for _, blocks in problems) > MOST_UNKNOWNS:
             return None
         price = np.array([float_values({e: fmpq(1)}, before.border).mean() for e in exponents])
         solved = solve(problems, len(exponents), inner=0.0, bounded=False, strict=False, price=price, least=MARGIN)
-        found = None if solved is None else self.level(_Shape(exponents, solved.parameters))
-        return found if found is not None and found.reach > before.reach + BETTER else None
+        level = None if solved is None else self.level(_Shape(exponents, solved.parameters))
+        return level if level is not None and level.reach > before.reach + BETTER else None
 
     # -- exact
 
@@ -349,9 +356,9 @@ class _Iteration:
                 within = min(within, self.limit)
             for share in SHARES:
                 level = _short_below(top * float(share))
-                found = self._shown_at(formula, level, within)
-                if found is not None:
-                    return found
+                region = self._shown_at(formula, level, within)
+                if region is not None:
+                    return region
         return None
 
     def _shown_at(self, formula: PiecewiseExpression, level: Fraction, within: Fraction) -> ReshapedRegion | None:
@@ -368,13 +375,13 @@ class _Iteration:
         functions.show_border(level)
         proofs = dict(stated.proofs)
         for claim in (*claims, *border.claims):
-            found = find(claim, Effort.HASTY)
-            if found is None:
+            proof = find(claim, Effort.HASTY)
+            if proof is None:
                 return None
-            proofs[claim.name] = found.evidence
+            proofs[claim.name] = proof.evidence
         verdict = str(Translation.ASYMPTOTICALLY_STABLE)
-        own = stability_hypotheses(stated.record, formula.text, verdict)
-        hypotheses = {**own, "below": True, "level": str(level)}
+        stability = stability_hypotheses(stated.record, formula.text, verdict)
+        hypotheses = {**stability, "below": True, "level": str(level)}
         region = SublevelRegion(level, None, None, within, False, proofs)
         return ReshapedRegion(formula, region, hypotheses)
 
@@ -413,12 +420,12 @@ def _along(terms: Mapping[Exponents, Any], rays: Floats) -> dict[int, Floats]:
     by_degree: dict[int, Terms] = {}
     for exponents, value in terms.items():
         by_degree.setdefault(sum(exponents), {})[exponents] = value
-    return {degree: float_values(own, rays) for degree, own in by_degree.items()}
+    return {degree: float_values(form, rays) for degree, form in by_degree.items()}
 
 
 def _at(along: dict[int, Floats], length: float | Floats) -> Floats:
     """Its values at one length on all rays, or at one on each."""
-    return sum((own * length**degree for degree, own in along.items()), np.zeros(1))
+    return sum((coefficient * length**degree for degree, coefficient in along.items()), np.zeros(1))
 
 
 def _border(shape: _Shape) -> Floats | None:

@@ -71,13 +71,13 @@ def _rays(cells: SignCells) -> Iterator[Ray]:
     Then those of the parts of these subspaces along which the fields beside them stay, to first order, in the space
     that they span at the point.
     """
-    numbers = [k for k, own in enumerate(cells.forms) if own.degree == 1 and own.is_form]
+    numbers = [k for k, form in enumerate(cells.forms) if form.degree == 1 and form.is_form]
     if len(numbers) > MOST_SURFACES:
         raise BeyondReachError(f"over {MOST_SURFACES} surfaces through the point")
     sizes = range(min(len(numbers), len(cells.states) - 1) + 1)
-    chosen = [own for size in sizes for own in combinations(numbers, size)]
-    rows = [[rational_slopes(cells.forms[k]) for k in own] for own in chosen]
-    resting = (same + more for own, same in zip(chosen, rows, strict=True) for more in _conditions(cells, own))
+    chosen = [subset for size in sizes for subset in combinations(numbers, size)]
+    rows = [[rational_slopes(cells.forms[k]) for k in subset] for subset in chosen]
+    resting = (same + more for subset, same in zip(chosen, rows, strict=True) for more in _conditions(cells, subset))
     seen = set[Ray]()
     for equations in chain(rows, resting):
         zero = [fmpq(0)] * len(cells.states)
@@ -104,7 +104,7 @@ def _conditions(cells: SignCells, surfaces: Sequence[int]) -> Iterator[list[list
             continue
         normals = null_basis(at_point).transpose()
         jacobians = (fmpq_mat([rational_slopes(part) for part in field]) for field in fields)
-        yield [row for own in jacobians if normals.nrows() for row in (normals * own).tolist()]
+        yield [row for jacobian in jacobians if normals.nrows() for row in (normals * jacobian).tolist()]
 
 
 def _beside(cells: SignCells, ray: Ray) -> list[Along]:
@@ -116,11 +116,11 @@ def _beside(cells: SignCells, ray: Ray) -> list[Along]:
     signs = [sign_along(form, ray) for form in cells.forms]
     if any(not sign and form.degree > 1 for sign, form in zip(signs, cells.forms, strict=True)):
         return []
-    found = []
+    fields = []
     for cell in cells.cells:
-        if all(sign in (0, own) for sign, own in zip(signs, cell.signs, strict=True)):
-            found += [_field_along(own, ray) for own in cell.velocities]
-    return found
+        if all(sign in (0, side) for sign, side in zip(signs, cell.signs, strict=True)):
+            fields += [_field_along(field, ray) for field in cell.velocities]
+    return fields
 
 
 def _field_along(field: Field, ray: Ray) -> Along:
@@ -131,9 +131,9 @@ def _field_along(field: Field, ray: Ray) -> Along:
 
 def _rests(fields: Sequence[Along]) -> bool:
     """Whether 0 is a mixture with positive weights at the point, and fields stay in the space spanned there."""
-    at_point = [own[0] for own in fields]
+    at_point = [field[0] for field in fields]
     size = fmpq_mat(at_point).rank()
-    stays = all(fmpq_mat([*at_point, vector]).rank() == size for own in fields for vector in own.values())
+    stays = all(fmpq_mat([*at_point, vector]).rank() == size for field in fields for vector in field.values())
     return stays and _is_inside(at_point)
 
 
@@ -142,8 +142,8 @@ def _is_inside(vectors: Sequence[list[fmpq]]) -> bool:
     field = NumberField()
     columns, target = mixtures_to_zero([list(map(field, vector)) for vector in vectors])
     for k in range(len(columns)):
-        found = best_mixture(columns, target, [field(int(i == k)) for i in range(len(columns))])
-        if found is None or not found.value:
+        mixture = best_mixture(columns, target, [field(int(i == k)) for i in range(len(columns))])
+        if mixture is None or not mixture.value:
             return False
     return True
 
@@ -228,9 +228,9 @@ def _shown_along(curve: Curve, subject: System, search: Search, text: str, cells
     """The theorem on stability with evidence in coordinates that follow a curve which bends; None where not shown."""
     if not any(curve.manifold):
         return None
-    own = {**cells, **curve.split.frame(Fraction(1), curve.manifold).written(subject.states)}
-    found = search.tried(subject, "lyapunov", stability_hypotheses(own, text, STABLE))
-    return None if found is None else found[0]
+    framed_cells = {**cells, **curve.split.frame(Fraction(1), curve.manifold).written(subject.states)}
+    entry = search.tried(subject, "lyapunov", stability_hypotheses(framed_cells, text, STABLE))
+    return None if entry is None else entry[0]
 
 
 def curve_of_rest(field: Sequence[Polynomial]) -> Curve | None:
@@ -241,7 +241,7 @@ def curve_of_rest(field: Sequence[Polynomial]) -> Curve | None:
     for split in (line, *line.by_states()):
         manifold = Reduction(split, field).manifold
         along = times(split.right, [variable(1, 0)])
-        places = [own + more for own, more in zip(along, manifold, strict=True)]
+        places = [place + more for place, more in zip(along, manifold, strict=True)]
         if not any(part.on(places, 1) for part in field):
             return Curve(split, tuple(field), tuple(places), tuple(manifold))
     return None
@@ -268,8 +268,8 @@ class Curve:
         name = next(name for name in NAMES if name not in system.states)
         centre = [rational(value) for value in system.check.equilibrium]
         parts = []
-        for state, value, own in zip(system.states, centre, self.places, strict=True):
-            place = constant(1, as_fraction(value)) + own
+        for state, value, displacement in zip(system.states, centre, self.places, strict=True):
+            place = constant(1, as_fraction(value)) + displacement
             parts.append(f"{state} = {formula_text(place, [name])}")
         return ", ".join(parts)
 
@@ -283,14 +283,14 @@ class Curve:
         scale = 1 / determinant.at_origin
         u = variable(1, 0, 2)
         rising = _integral(u * determinant.times(scale))
-        mixed = [(u * own).times(-scale) for own in _row_times(slopes, adjugate)]
+        mixed = [(u * entry).times(-scale) for entry in _row_times(slopes, adjugate)]
         (centre,) = times(split.left, identity(count))
-        off = [variable(count, k) - own.on([centre], count) for k, own in enumerate(self.manifold)]
+        off = [variable(count, k) - component.on([centre], count) for k, component in enumerate(self.manifold)]
         beside = times(onto_side, off)
         base = rising.on([centre], count)
-        for row, own in zip(mixed, beside, strict=True):
-            base += row.on([centre], count) * own
-        floats = np.array([[float(own.at_origin) for own in row] for row in rates])
+        for row, coordinate in zip(mixed, beside, strict=True):
+            base += row.on([centre], count) * coordinate
+        floats = np.array([[float(entry.at_origin) for entry in row] for row in rates])
         solution = lyapunov_solution(floats, 0.0, np.eye(count - 1))
         degree = base.degree - 1 + max(part.degree for part in self.field)
         if solution is None or comb(count + (degree + 1) // 2, count) > MOST_MONOMIALS:
@@ -306,7 +306,7 @@ class Curve:
         by_side = [times(side.transpose(), row) for row in jacobian]  # Df S
         columns = [[row[j] for row in by_side] for j in range(count - 1)]
         slopes = [times(self.split.left, column)[0] for column in columns]
-        bend = times(onto_side, [own.derivative(0) for own in self.manifold])  # K h'
+        bend = times(onto_side, [component.derivative(0) for component in self.manifold])  # K h'
         moved = [times(onto_side, column) for column in columns]
         rates = [
             [moved[j][i] - bend[i] * slopes[j] for j in range(count - 1)]  # entry i, j of B
@@ -318,28 +318,30 @@ class Curve:
 def _adjugate(matrix: Matrix) -> tuple[Matrix, Polynomial]:
     """The adjugate and the determinant of a matrix of polynomials (Faddeev and LeVerrier)."""
     size = len(matrix)
-    found = [[constant(1, int(i == j)) for j in range(size)] for i in range(size)]
+    auxiliary = [[constant(1, int(i == j)) for j in range(size)] for i in range(size)]
     for step in range(1, size + 1):
-        product = [_row_times(row, found) for row in matrix]
+        product = [_row_times(row, auxiliary) for row in matrix]
         trace = constant(1, 0)
         for i in range(size):
             trace += product[i][i]
         last = trace.times(Fraction(-1, step))
         if step == size:
             sign = 1 if size % 2 else -1
-            return [[own.times(sign) for own in row] for row in found], last.times(-sign)
-        found = [[own + last if i == j else own for j, own in enumerate(row)] for i, row in enumerate(product)]
+            return [[entry.times(sign) for entry in row] for row in auxiliary], last.times(-sign)
+        auxiliary = [
+            [entry + last if i == j else entry for j, entry in enumerate(row)] for i, row in enumerate(product)
+        ]
     raise AssertionError("required a matrix with rows")
 
 
 def _row_times(row: Sequence[Polynomial], matrix: Matrix) -> Vector:
-    found = []
+    totals = []
     for j in range(len(matrix[0])):
         total = constant(1, 0)
-        for own, other in zip(row, matrix, strict=True):
-            total += own * other[j]
-        found.append(total)
-    return found
+        for entry, other in zip(row, matrix, strict=True):
+            total += entry * other[j]
+        totals.append(total)
+    return totals
 
 
 def _integral(value: Polynomial) -> Polynomial:

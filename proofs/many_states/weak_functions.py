@@ -101,7 +101,7 @@ def weak_functions(
     seen = {"0"}
     for family in families_on(system, radius):
         basis = family.basis
-        if power > max(own.degree for own in basis):
+        if power > max(function.degree for function in basis):
             continue
         for columns in (fmpq_mat(np.eye(len(basis), dtype=int).tolist()), family.kept):
             if not columns.ncols():
@@ -137,7 +137,7 @@ class FunctionFamily:
     @cached_property
     def program(self) -> LinearProgram:
         """The program of their sums."""
-        costs = np.array([1.0 + own.degree / 8 + ("Abs" in own.text) for own in self.basis])
+        costs = np.array([1.0 + function.degree / 8 + ("Abs" in function.text) for function in self.basis])
         beside = cache(partial(rates, self.conditions, near_planes))
         radius = fmpq_to_float(self.stated.cells.radius)
         return LinearProgram(rates(self.conditions), *values(self.conditions), costs, beside, radius)
@@ -154,21 +154,25 @@ class FunctionFamily:
         Where eigenvalues of the field of a cell lie on the imaginary axis, no V falls on the whole subspace N of these:
         one that does not rise is kept there, and V' has no terms of first order beside N.  No columns without an N.
         """
-        known = self.conditions
-        fields = [field for cell in known.inclusion.cells for _, field in cell.fields]
-        neutral = [(k, own) for k, own in enumerate(map(neutral_subspace, fields)) if own is not None]
+        conditions = self.conditions
+        fields = [field for cell in conditions.inclusion.cells for _, field in cell.fields]
+        neutral = [
+            (k, coordinates) for k, coordinates in enumerate(map(neutral_subspace, fields)) if coordinates is not None
+        ]
         lists: list[list[CheckedPolynomial]] = [[] for _ in self.basis]
-        for claims, own in zip(self._claims, lists, strict=True):
+        for claims, polynomials in zip(self._claims, lists, strict=True):
             for k, coordinates in neutral:
                 rate = claims[k].inequalities[0].value
                 parts = (rate, *map(rate.derivative, range(rate.count)))
-                own += [part.on(coordinates, coordinates[0].count) for part in parts]
+                polynomials += [part.on(coordinates, coordinates[0].count) for part in parts]
         return vanishing_columns(lists) if neutral else fmpq_mat(0, 0)
 
     @cached_property
     def vanishing(self) -> fmpq_mat:
         """Columns of coefficients whose sums stay constant on all cells."""
-        return vanishing_columns([[own.value for claim in same for own in claim.inequalities] for same in self._claims])
+        return vanishing_columns(
+            [[inequality.value for claim in same for inequality in claim.inequalities] for same in self._claims]
+        )
 
     @cached_property
     def _claims(self) -> list[list[Claim]]:
@@ -178,23 +182,23 @@ class FunctionFamily:
     @cached_property
     def conditions(self) -> Functions:
         """The claims about the functions."""
-        return functions_on(self.system, self.stated, [own.text for own in self.basis], self.search)
+        return functions_on(self.system, self.stated, [function.text for function in self.basis], self.search)
 
 
 @lru_cache(maxsize=MOST_KEPT)
 def families_on(system: SwitchedSystem, radius: Number) -> tuple[FunctionFamily, ...]:
     """The families on a cube, for energies and for what shows instability; raises as :func:`weak_functions`."""
     stated = stated_cells(system, radius)
-    found = [FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True)]
+    all_families = [FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True)]
     bends = tuple(PiecewiseFunction(f"Abs({text})", 1) for text in dict.fromkeys(_bent_lines(system)))
     if bends and not any(system.check.equilibrium):
         with suppress(NotShownError, BeyondReachError):
             subject, search = started(system)
-            known = sharpened(stated, subject, search)
-            family = FunctionFamily(system, known, (*bends, *monomials(system.states, 2)), search)
+            sharpened_cells = sharpened(stated, subject, search)
+            family = FunctionFamily(system, sharpened_cells, (*bends, *monomials(system.states, 2)), search)
             family.conditions  # noqa: B018 - whether they are shown to be continuous
-            found.append(family)
-    return tuple(found)
+            all_families.append(family)
+    return tuple(all_families)
 
 
 def _bent_lines(system: SwitchedSystem) -> Iterator[str]:
@@ -214,12 +218,12 @@ def near_planes(place: Face) -> Floats:
     Planes of coordinates, and those on which a velocity that is a linear form changes its sign.
     """
     forms = (place.restricted(part) for cell in place.inclusion.cells for _, field in cell.fields for part in field)
-    linear = (own for own in forms if own.degree == 1 and not own.at_origin)
-    normals = {tuple(float(own.slope(k)) for k in range(place.dimension)) for own in linear}
-    found = [sample_points(place.dimension, bounded=True)]
+    linear = (form for form in forms if form.degree == 1 and not form.at_origin)
+    normals = {tuple(float(form.slope(k)) for k in range(place.dimension)) for form in linear}
+    samples = [sample_points(place.dimension, bounded=True)]
     for normal in map(np.array, sorted(normals)):
-        found.append(found[0] - (1 - BESIDE) * np.outer(found[0] @ normal, normal) / (normal @ normal))
-    points = np.vstack(found)
+        samples.append(samples[0] - (1 - BESIDE) * np.outer(samples[0] @ normal, normal) / (normal @ normal))
+    points = np.vstack(samples)
     return points[np.all(np.abs(points) > THIN, axis=1)]
 
 
@@ -255,12 +259,12 @@ class LinearProgram:
         sizes = np.sum(np.abs(self.points) ** power, axis=1)
         most = MOST * max(1.0, self.radius ** -float(np.max(power)))
         if positive:
-            asked = [(-self.values, -sizes)]
+            constraints = [(-self.values, -sizes)]
         else:
             along = self.points / np.sqrt(sizes)[:, None]
             axes = [int(np.argmax(side * along[:, k])) for k in range(along.shape[1]) for side in (1, -1)]
-            asked = [(self.values[[k]], -sizes[[k]]) for k in axes]
-        for matrix, limits in asked:
+            constraints = [(self.values[[k]], -sizes[[k]]) for k in axes]
+        for matrix, limits in constraints:
             rows = self.rates
             for _ in range(MOST_ROUNDS):
                 bounds = np.r_[np.zeros(len(rows)), limits]
@@ -268,18 +272,21 @@ class LinearProgram:
                 solved = None if some_contradict(*stated) else least_sum(*stated)
                 if solved is None:
                     break
-                found = rounded(solved, partial(_holds, rows, matrix))
-                rising = self.beside() @ (solved if found is None else np.array(list(map(float, found)))) > SLACK
+                coefficients = rounded(solved, partial(_holds, rows, matrix))
+                rising = (
+                    self.beside() @ (solved if coefficients is None else np.array(list(map(float, coefficients))))
+                    > SLACK
+                )
                 if not rising.any():
-                    if found is not None:
-                        yield found
+                    if coefficients is not None:
+                        yield coefficients
                     break
                 rows = np.vstack([rows, self.beside()[rising]])
 
 
-def _holds(rows: Floats, matrix: Floats, own: Floats) -> bool:
+def _holds(rows: Floats, matrix: Floats, coefficients: Floats) -> bool:
     """Whether V rises along no row, and has the signs that are asked for."""
-    return bool(np.all(rows @ own <= SLACK) and np.all(matrix @ own < 0))
+    return bool(np.all(rows @ coefficients <= SLACK) and np.all(matrix @ coefficients < 0))
 
 
 # ---- functions that are proved -------------------------------------------------------------------
@@ -355,21 +362,21 @@ def find_energy_on_circles(system: SwitchedSystem) -> tuple[Record, str, str, bo
     if not angles:
         return None
     try:
-        seen = on_circles(system, angles)
-        found = None if seen is None else find_weak_lyapunov(seen)
-        if seen is None or found is None:
+        circle_system = on_circles(system, angles)
+        examined = None if circle_system is None else find_weak_lyapunov(circle_system)
+        if circle_system is None or examined is None:
             return None
-        cells = stated_cells(seen, found.radius, surfaces_of(seen, found.formula)).record
-        hypotheses = {"angles": list(angles), "cells": cells, "function": found.formula.text}
+        cells = stated_cells(circle_system, examined.radius, surfaces_of(circle_system, examined.formula)).record
+        hypotheses = {"angles": list(angles), "cells": cells, "function": examined.formula.text}
         entry, _ = Search().entry(read_subject(about(system)), "circles", hypotheses)
     except (BeyondReachError, NoCertificateError, NotShownError, SceneError):
         return None
-    function, domain = found.formula.text, cube_text(found.radius, seen.states)
+    function, domain = examined.formula.text, cube_text(examined.radius, circle_system.states)
     for name in angles:
         sine, cosine = f"sin({name})", f"cos({name}) - 1"
         function = function.replace(f"sin_{name}", sine).replace(f"cos_{name}", f"({cosine})")
         domain = domain.replace(f"sin_{name}", sine).replace(f"cos_{name}", cosine)
-    return entry, function, domain, found.is_kept
+    return entry, function, domain, examined.is_kept
 
 
 def _angles(system: SwitchedSystem) -> tuple[str, ...]:
@@ -380,12 +387,12 @@ def _angles(system: SwitchedSystem) -> tuple[str, ...]:
         arguments = [system.argument_of(wave) for wave in system.rewriting.names]
     except ExpressionError:  # what switches
         return ()
-    found = set()
+    angles = set()
     for argument in arguments:
         for exponents in argument.terms:
-            found |= {name for name, exponent in zip(system.states, exponents, strict=True) if exponent}
+            angles |= {name for name, exponent in zip(system.states, exponents, strict=True) if exponent}
     at = system.named(system.check.equilibrium)
-    return () if any(at[name] for name in found) else tuple(name for name in system.states if name in found)
+    return () if any(at[name] for name in angles) else tuple(name for name in system.states if name in angles)
 
 
 def on_circles(system: SwitchedSystem, angles: Sequence[str]) -> SwitchedSystem | None:
@@ -395,14 +402,14 @@ def on_circles(system: SwitchedSystem, angles: Sequence[str]) -> SwitchedSystem 
         SceneError: for formulas that cannot be used.
     """
     pairs = [(f"sin_{name}", f"cos_{name}") if name in angles else (name,) for name in system.states]
-    coordinates = tuple(own for pair in pairs for own in pair)
+    coordinates = tuple(coordinate for pair in pairs for coordinate in pair)
     if len(set(coordinates)) < len(coordinates):
         return None
     values = {name: Polynomial.variable(system.field, coordinates, name) for name in coordinates}
     try:
-        known = {wave.name: _turned(wave, system, values) for wave in system.rewriting.names}
+        polynomials = {wave.name: _turned(wave, system, values) for wave in system.rewriting.names}
         stated = [
-            _text(side, known, [name for name in system.states if name not in angles])
+            _text(side, polynomials, [name for name in system.states if name not in angles])
             for side in system.rewriting.named_rhs
         ]
     except ExpressionError:
@@ -436,10 +443,10 @@ def _turned(wave: Wave, system: SwitchedSystem, values: Mapping[str, Polynomial]
         if sum(exponents) != 1 or turns is None or turns.q != 1 or abs(turns) > MAX_DEGREE:
             raise ExpressionError(f"required sums of whole multiples of angles, none above {MAX_DEGREE}")
         name = system.states[exponents.index(1)]
-        own, across = values[f"sin_{name}"], values[f"cos_{name}"] + 1
-        own = own if turns > 0 else -own
+        angle_sine, across = values[f"sin_{name}"], values[f"cos_{name}"] + 1
+        angle_sine = angle_sine if turns > 0 else -angle_sine
         for _ in range(abs(int(turns.p))):
-            sine, cosine = sine * across + cosine * own, cosine * across - sine * own
+            sine, cosine = sine * across + cosine * angle_sine, cosine * across - sine * angle_sine
     return sine if wave.kind == "sin" else cosine
 
 
@@ -481,7 +488,7 @@ def find_kept_function(system: SwitchedSystem) -> ExaminedLyapunov | None:
     try:
         subject, search = started(system)
         stated = stated_cells(system, system.check.radius)
-        around = {tuple(own) for own in fields_around(stated, subject.stated, search)}
+        around = {tuple(field) for field in fields_around(stated, subject.stated, search)}
     except NotShownError:
         return None
     if len(around) != 1 or system.by_roots is not None:
@@ -504,22 +511,22 @@ def find_kept_form(system: SwitchedSystem) -> ExaminedLyapunov | None:
     The chain ``x' = y, y' = z, z' = -sign(y)`` has the weights 3, 2, 1, and with ``J = x + abs(y) z + z^3/3`` keeps
     ``J^2 + (abs(y) + z^2/2)^3``.  Raises as :func:`find_kept_function`.
     """
-    own = homogeneity_of(system, system.check.radius)
-    if own is None or own.orders != (1,) * len(system.states):
+    homogeneity = homogeneity_of(system, system.check.radius)
+    if homogeneity is None or homogeneity.orders != (1,) * len(system.states):
         return None
-    degree, states = 2 * max(own.weights), system.states
-    basis = tuple(islice(_forms_of_weight(states, own.weights, degree), MOST_FORMS + 1))
+    degree, states = 2 * max(homogeneity.weights), system.states
+    basis = tuple(islice(_forms_of_weight(states, homogeneity.weights, degree), MOST_FORMS + 1))
     if len(basis) > MOST_FORMS:
         return None
     bends = parse_piecewise(" + ".join(map("Abs({})".format, states)), states)
     family = FunctionFamily(system, stated_cells(system, system.check.radius, surfaces_of(system, bends)), basis)
-    kept = family.vanishing
-    if not kept.ncols():
+    columns = family.vanishing
+    if not columns.ncols():
         return None
     program = replace(family.program, points=system.check.half_width * family.program.points)
-    powers = np.array([float(degree / weight) for weight in own.weights])
-    for chosen in program.combined(kept).solutions(powers, positive=True):
-        formula = parse_piecewise(formula_text(basis, coefficients_of(kept, chosen)), states)
+    powers = np.array([float(degree / weight) for weight in homogeneity.weights])
+    for chosen in program.combined(columns).solutions(powers, positive=True):
+        formula = parse_piecewise(formula_text(basis, coefficients_of(columns, chosen)), states)
         examined = examine(system, formula, system.check.radius, effort=Effort.FULL)
         if examined.decrease is Decrease.WEAK:
             return examined
@@ -532,12 +539,12 @@ def _forms_of_weight(
     """Products of powers of some weight, alone and times the absolute value of a state."""
     for exponents in product(*(range(int(degree / weight) + 1) for weight in weights)):
         rest = degree - sum(map(operator.mul, exponents, weights))
-        own = monomial(states, exponents)
+        function = monomial(states, exponents)
         if not rest:
-            yield own
+            yield function
         for weight, name in zip(weights, states, strict=True):
             if rest == weight:
-                yield PiecewiseFunction(f"{own.text}*Abs({name})".removeprefix("1*"), own.degree + 1)
+                yield PiecewiseFunction(f"{function.text}*Abs({name})".removeprefix("1*"), function.degree + 1)
 
 
 def _positive_integrals(field: Sequence[CheckedPolynomial]) -> list[CheckedPolynomial]:
@@ -547,13 +554,13 @@ def _positive_integrals(field: Sequence[CheckedPolynomial]) -> list[CheckedPolyn
         if comb(count + degree, degree) > MOST_UNKNOWNS:
             break
         monomials = powers_between(count, 2, degree)
-        kept = list(vanishing_combinations([[lie_derivative(own, field)] for own in monomials]))
-        integrals = [combined(monomials, own) for own in kept]
-        forms = [part_of(own, 2) for own in integrals]
+        combinations = list(vanishing_combinations([[lie_derivative(polynomial, field)] for polynomial in monomials]))
+        integrals = [combined(monomials, coefficients) for coefficients in combinations]
+        forms = [part_of(integral, 2) for integral in integrals]
         for parts in (forms, integrals):
-            found = _definite(integrals, parts, count)
-            if found:
-                return found
+            proposals = _definite(integrals, parts, count)
+            if proposals:
+                return proposals
     return []
 
 
@@ -567,9 +574,9 @@ def _definite(
     solved = solve_inside([(condition, build_blocks(condition))], len(parts), bounded=True)
     if solved is None:
         return []
-    found = []
+    proposals = []
     for denominator in DENOMINATORS:
         values = round_parameters(*solved, denominator)
         if values is not None and any(values):
-            found.append(combined(integrals, list(map(as_fraction, values))))
-    return found
+            proposals.append(combined(integrals, list(map(as_fraction, values))))
+    return proposals

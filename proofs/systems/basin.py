@@ -77,15 +77,15 @@ def find_borders(system: System, surfaces: Sequence[str], border: Floats, pace: 
     field = FloatField.of(system, surfaces)
     if any(field.plane.waves):
         return []
-    half, found = max_norm(border), list[Beside]()
-    rests = [(own, slope) for own, slope in places_of_rest(field, AROUND * half) if are_finite(slope)]
-    saddles = [(own, slope) for own, slope in rests if np.linalg.det(slope) < -CLEAR * np.sum(slope**2)]
+    half, borders = max_norm(border), list[Beside]()
+    rests = [(place, slope) for place, slope in places_of_rest(field, AROUND * half) if are_finite(slope)]
+    saddles = [(place, slope) for place, slope in rests if np.linalg.det(slope) < -CLEAR * np.sum(slope**2)]
     with np.errstate(all="ignore"):  # far out, and where velocities vanish
         for saddle, slope in saddles[:MOST_SADDLES]:
             search = _Search(field, saddle, slope, half, SHARPER * pace.angle)
-            shown = next((own for own in search.lines(surfaces) if is_shown(system, own)), None)
-            found += [] if shown is None else [(saddle, shown)]
-    return found
+            line = next((line for line in search.lines(surfaces) if is_shown(system, line)), None)
+            borders += [] if line is None else [(saddle, line)]
+    return borders
 
 
 def left_of(hypotheses: Record, x: Floats) -> Mask:
@@ -93,7 +93,7 @@ def left_of(hypotheses: Record, x: Floats) -> Mask:
     unit = float(Fraction(hypotheses["unit"]))
     half = 1 + int(np.abs(x).max() / unit)
     first, last = map(place_of, hypotheses["ends"])
-    whole = closed([place_of(own) for own in hypotheses["corners"]], first, last, half)
+    whole = closed([place_of(corner) for corner in hypotheses["corners"]], first, last, half)
     return inside_ring(np.array(whole, dtype=float) * unit, x)
 
 
@@ -219,7 +219,7 @@ class CertifiedBasin:
     def never(self) -> tuple[Record, ...]:
         """The hypotheses of all polygons and lines on one side of which no start comes to the point."""
         polygons = () if self.outside is None else (self.outside,)
-        return (*(own for _, own in (*self.traps, *self.saddles)), *polygons)
+        return (*(hypotheses for _, hypotheses in (*self.traps, *self.saddles)), *polygons)
 
     @property
     def mesh(self) -> Record:
@@ -239,7 +239,7 @@ class CertifiedBasin:
     @cached_property
     def simplices(self) -> NDArray[np.int64]:
         """The numbers of the corners of each: shape (simplices, states + 1)."""
-        return np.array([own.split(" ") for own in self.mesh[self.kind]], dtype=np.int64)
+        return np.array([simplex.split(" ") for simplex in self.mesh[self.kind]], dtype=np.int64)
 
     @property
     def border(self) -> Floats:
@@ -312,9 +312,9 @@ def find_basin(
         traps = find_traps(system, surfaces, border, effort.pace, effort.outward)
     starts = _grid(border, effort.starts, limit)
     certified = inside_ring(border, starts)
-    left = [~inside_ring(ring_of(own), starts) for _, own in traps] + [left_of(own, starts) for _, own in saddles]
-    left += [] if outside is None else [inside_ring(ring_of(outside), starts)]
-    open_ones = np.all([np.ones(len(starts), dtype=bool), *left], axis=0)
+    masks = [~inside_ring(ring_of(trap), starts) for _, trap in traps] + [left_of(line, starts) for _, line in saddles]
+    masks += [] if outside is None else [inside_ring(ring_of(outside), starts)]
+    open_ones = np.all([np.ones(len(starts), dtype=bool), *masks], axis=0)
     square = int(np.sum(certified)), int(np.sum(open_ones)), len(starts)
     sampled = square[0], square[0] + _come(field, home, border, starts[~certified & open_ones])
     return CertifiedBasin(hypotheses, sampled, outside, tuple(traps), tuple(saddles), square, _ends(starts))
@@ -324,7 +324,7 @@ def find_basin_in_space(
     system: System,
     local: Record,
     surfaces: list[str],
-    asked: str,
+    budget: str,
     limit: float,
     announce: Announce,
 ) -> CertifiedBasin | None:
@@ -334,23 +334,23 @@ def find_basin_in_space(
         system: in three states.
         local: hypotheses of theorem ``lyapunov`` with a level on a cube, which are shown.
         surfaces: on which the system switches, in the displacement.
-        asked: how much may be done.
+        budget: how much may be done.
         limit: half the side of a cube that the mesh does not leave, unless it begins in a wider one.
         announce: told what is done, how much of it, and of how much.
     """
-    field, home, effort = FloatField.of(system, surfaces), Home(system, local), IN_SPACE[asked]
+    field, home, effort = FloatField.of(system, surfaces), Home(system, local), IN_SPACE[budget]
     front = Front(field, home, limit, effort)
     grown = front.grown(partial(announce, "polyhedra"))
     if len(grown) < 2:
         return None
     mesh = front.record(grown)
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": mesh, "below": len(grown) - 1}
-    found = CertifiedBasin(hypotheses, (0, 0))
-    starts = _grid(found.border, effort.starts, None)
-    certified = found.holds(starts) | home(starts)
+    basin = CertifiedBasin(hypotheses, (0, 0))
+    starts = _grid(basin.border, effort.starts, None)
+    certified = basin.holds(starts) | home(starts)
     count = int(np.sum(certified))
-    came = _come(field, home, found.border, starts[~certified])
-    return replace(found, sampled=(count, count + came), window=_ends(starts))
+    came = _come(field, home, basin.border, starts[~certified])
+    return replace(basin, sampled=(count, count + came), window=_ends(starts))
 
 
 def _grid(border: Floats, count: int, limit: float | None) -> Floats:

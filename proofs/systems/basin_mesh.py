@@ -99,12 +99,14 @@ class Lattice:
     """
 
     def __init__(self, surfaces: Sequence[Polynomial], size: float) -> None:
-        forms = {number: whole_plane(own) for number, own in enumerate(surfaces) if own.degree == 1}
+        forms = {number: whole_plane(surface) for number, surface in enumerate(surfaces) if surface.degree == 1}
         shared = lcm(1, *((offset / max(normal, key=abs)).denominator for normal, offset in forms.values()))
         power = BITS - int(np.ceil(np.log2(size)))
         self.unit = Fraction(1, shared) / Fraction(2) ** power
         self.lines = {number: (a, b, int(offset / self.unit)) for number, ((a, b), offset) in forms.items()}
-        self.is_huge = max([shared, *(abs(own) for line in self.lines.values() for own in line)]) >= HUGE
+        self.is_huge = (
+            max([shared, *(abs(coefficient) for line in self.lines.values() for coefficient in line)]) >= HUGE
+        )
 
     def ring(self, ring: Floats, every: int) -> LatticeRing:
         """A ring with the points at which it crosses lines, all on the lattice; one of some points is a corner."""
@@ -134,27 +136,27 @@ def whole_plane(surface: Polynomial) -> tuple[list[int], Fraction]:
     """The normal of a line or plane in whole numbers without a common factor, and its value at the point."""
     _, offset, *normal = whole_argument(surface)
     common = gcd(*normal)
-    return [own // common for own in normal], Fraction(offset, common)
+    return [slope // common for slope in normal], Fraction(offset, common)
 
 
 def on_plane(place: Sequence[float], normal: Sequence[int], offset: int) -> list[int]:
     """A whole place near another one on a line or plane: its largest slope, the pivot, is to divide the offset."""
     numbers = range(len(normal))
     pivot = max(numbers, key=lambda k: abs(normal[k]))
-    moved = [round(own / normal[pivot]) * normal[pivot] for own in place]
+    moved = [round(coordinate / normal[pivot]) * normal[pivot] for coordinate in place]
     moved[pivot] = -(offset + sum(normal[k] * moved[k] for k in numbers if k != pivot)) // normal[pivot]
     return moved
 
 
 def _thinned(points: Floats, on_line: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
     """Without points that are on no line and very near one that is."""
-    kept = np.ones(len(points), dtype=bool)
+    mask = np.ones(len(points), dtype=bool)
     for k in np.nonzero(on_line >= 0)[0]:
         for step in (-1, 1):
             beside, beyond = (k + step) % len(points), (k + 2 * step) % len(points)
             near, far = (np.linalg.norm(points[other] - points[k]) for other in (beside, beyond))
-            kept[beside] &= bool(on_line[beside] >= 0 or near > NEAR_LINE * far)
-    return points[kept], on_line[kept]
+            mask[beside] &= bool(on_line[beside] >= 0 or near > NEAR_LINE * far)
+    return points[mask], on_line[mask]
 
 
 # ---- triangles between two rings -----------------------------------------------------------------
@@ -166,7 +168,7 @@ def band(inner: LatticeRing, outer: LatticeRing) -> list[tuple[int, int, int]]:
     Places are those in the lists of chosen points.  Where both rings cross lines in the same order, triangles lie
     between neighbouring crossings.
     """
-    found: list[tuple[int, int, int]] = []
+    triangles: list[tuple[int, int, int]] = []
     near, far = ([complex(x, y) for x, y in ring.points[ring.chosen]] for ring in (inner, outer))
     for (first, count), (start, steps) in _sectors(inner, outer):
         i = j = 0
@@ -174,29 +176,29 @@ def band(inner: LatticeRing, outer: LatticeRing) -> list[tuple[int, int, int]]:
             a, a_next = near[(first + i) % len(near)], near[(first + i + 1) % len(near)]
             b, b_next = far[(start + j) % len(far)], far[(start + j + 1) % len(far)]
             if j == steps or (i < count and abs(a_next - b) <= abs(b_next - a)):
-                found.append((0, first + i, start + j))
+                triangles.append((0, first + i, start + j))
                 i += 1
             else:
-                found.append((1, start + j, first + i))
+                triangles.append((1, start + j, first + i))
                 j += 1
-    return found
+    return triangles
 
 
 def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
     """Stretches of both rings that belong together: the first place of each, and the number of its sides."""
-    own, other = ([k for k, point in enumerate(ring.chosen) if ring.lines[point] >= 0] for ring in (inner, outer))
-    seen = [[ring.lines[ring.chosen[k]] for k in listed] for ring, listed in ((inner, own), (outer, other))]
-    turns = [t for t in range(len(other)) if seen[0] == seen[1][t:] + seen[1][:t]]
+    starts, other = ([k for k, point in enumerate(ring.chosen) if ring.lines[point] >= 0] for ring in (inner, outer))
+    lines = [[ring.lines[ring.chosen[k]] for k in listed] for ring, listed in ((inner, starts), (outer, other))]
+    turns = [t for t in range(len(other)) if lines[0] == lines[1][t:] + lines[1][:t]]
     if not turns:
-        own, other, turns = [0], list(range(len(outer.chosen))), list(range(len(outer.chosen)))
+        starts, other, turns = [0], list(range(len(outer.chosen))), list(range(len(outer.chosen)))
     places = outer.points[np.array(outer.chosen)[other]][turns]
-    turn = turns[int(lengths(places - inner.points[inner.chosen[own[0]]]).argmin())]
-    other = other[turn:] + other[:turn] if len(own) > 1 else [other[turn]]
-    for k in range(len(own)):
+    turn = turns[int(lengths(places - inner.points[inner.chosen[starts[0]]]).argmin())]
+    other = other[turn:] + other[:turn] if len(starts) > 1 else [other[turn]]
+    for k in range(len(starts)):
         stretches = []
-        for ring, listed in ((inner, own), (outer, other)):
+        for ring, listed in ((inner, starts), (outer, other)):
             size = len(ring.chosen)
-            sides = (listed[(k + 1) % len(own)] - listed[k]) % size
+            sides = (listed[(k + 1) % len(starts)] - listed[k]) % size
             stretches.append((listed[k], sides or size))
         yield stretches[0], stretches[1]
 
@@ -226,9 +228,9 @@ class BuiltMesh:
 
 def mesh_corners(mesh: Record) -> Floats:
     """The corners of a mesh in floats."""
-    found = np.array([own.split(" ") for own in mesh["corners"]], dtype=float)
-    found[:, :-1] *= float(Fraction(mesh["unit"]))
-    return found
+    corners = np.array([corner.split(" ") for corner in mesh["corners"]], dtype=float)
+    corners[:, :-1] *= float(Fraction(mesh["unit"]))
+    return corners
 
 
 def last_ring(corners: Floats) -> Floats:
@@ -261,18 +263,18 @@ def grown_mesh(
     """
     rings = grow(field, first, effort.pace, limit, effort.points, effort.way, partial(announce, "rings"), power)
     made: list[Floats] = []
-    own: MeshBuilder | None = None
+    builder: MeshBuilder | None = None
     for count in (round(way / effort.pace.move) for way in STAGES):
         more = list(islice(rings, count - len(made)))
         if made and not more:
             break
         made += more
-        own = MeshBuilder(field, exact, made, effort, is_first_whole=is_first_whole) if len(made) > 1 else None
-        if own is not None and own.lattice.is_huge:
-            own = None
-        if own is None or not own.refine(partial(announce, "bands of triangles")) or len(made) < count:
+        builder = MeshBuilder(field, exact, made, effort, is_first_whole=is_first_whole) if len(made) > 1 else None
+        if builder is not None and builder.lattice.is_huge:
+            builder = None
+        if builder is None or not builder.refine(partial(announce, "bands of triangles")) or len(made) < count:
             break
-    return None if own is None else own.built(), made[-1]
+    return None if builder is None else builder.built(), made[-1]
 
 
 class MeshBuilder:
@@ -318,27 +320,27 @@ class MeshBuilder:
     def refine(self, announce: Callable[[int, int], None]) -> bool:
         """Refine bands from the first ring on, a few at a time; whether floats see W fall up to the last ring."""
         used = [*range(0, len(self.dense) - 1, self.between), len(self.dense) - 1]
-        shown: set[Band] = set()
+        falling: set[Band] = set()
         rounds: dict[Band, int] = {}
         while True:
-            open_bands = [pair for pair in pairwise(used) if pair not in shown][:AHEAD]
+            open_bands = [pair for pair in pairwise(used) if pair not in falling][:AHEAD]
             if not open_bands:
                 break
-            announce(len(shown), len(used) - 1)
+            announce(len(falling), len(used) - 1)
             if self.left < 0:
-                used = used[: next(k for k, pair in enumerate(pairwise(used)) if pair not in shown) + 1]
+                used = used[: next(k for k, pair in enumerate(pairwise(used)) if pair not in falling) + 1]
                 break
             touched, between = set[int](), set[int]()
             for pair, failing in self._failing(open_bands).items():
                 rounds[pair] = rounds.get(pair, 0) + 1
                 if not failing:
-                    shown.add(pair)
+                    falling.add(pair)
                     continue
                 changed = self._refine(pair, failing) if rounds[pair] <= ROUNDS else set()
                 touched |= changed
                 if not changed:
                     between.add(pair[1])
-            shown = {pair for pair in shown if touched.isdisjoint(pair)}
+            falling = {pair for pair in falling if touched.isdisjoint(pair)}
             used = self._with_more(used, between)
         self.used = used
         return used[-1] == len(self.dense) - 1
@@ -354,19 +356,19 @@ class MeshBuilder:
 
     def _with_more(self, used: list[int], between: set[int]) -> list[int]:
         """A ring more before each of some, or no rings from one on before which there is none."""
-        found = used[:1]
+        numbers = used[:1]
         for number in used[1:]:
-            before = found[-1]
+            before = numbers[-1]
             if number in between:
                 if number - before < 2:
                     break
-                found.append((before + number) // 2)
-            found.append(number)
-        return found
+                numbers.append((before + number) // 2)
+            numbers.append(number)
+        return numbers
 
-    def _corners(self, pair: tuple[int, int], own: tuple[int, int, int]) -> Triangle:
+    def _corners(self, pair: tuple[int, int], triangle: tuple[int, int, int]) -> Triangle:
         """A triangle of a band counterclockwise, as points of rings; its side of one ring comes first or last."""
-        which, place, apex = own
+        which, place, apex = triangle
         base, other = pair[which], pair[1 - which]
         chosen, opposite = self.ring(base).chosen, self.ring(other).chosen
         first, last = (base, chosen[place % len(chosen)]), (base, chosen[(place + 1) % len(chosen)])
@@ -375,31 +377,31 @@ class MeshBuilder:
 
     def _failing(self, pairs: Sequence[Band]) -> dict[Band, list[Failing]]:
         """The triangles of each band on which W is not seen to fall, and whether they are turned over."""
-        bands = [(pair, own) for pair in pairs for own in band(self.ring(pair[0]), self.ring(pair[1]))]
+        bands = [(pair, triangle) for pair in pairs for triangle in band(self.ring(pair[0]), self.ring(pair[1]))]
         self.left -= len(bands)
-        named = [self._corners(pair, own) for pair, own in bands]
+        named = [self._corners(pair, triangle) for pair, triangle in bands]
         rings = {number: self.ring(number).points for pair in pairs for number in pair}
         starts = dict(zip(rings, accumulate(map(len, rings.values()), initial=0), strict=False))
-        places = [[starts[ring] + point for ring, point in own] for own in named]
+        places = [[starts[ring] + point for ring, point in triangle] for triangle in named]
         corners = np.concatenate(list(rings.values()))[places]
         heights = np.array(
-            [[float(ring == pair[1]) for ring, _ in own] for (pair, _), own in zip(bands, named, strict=True)]
+            [[float(ring == pair[1]) for ring, _ in triangle] for (pair, _), triangle in zip(bands, named, strict=True)]
         )
         sizes, slopes = gradients(corners, heights)
         at = corners * float(self.lattice.unit)
         good = (sizes > 0) & falls(self.field, at, slopes, SMALL, self.lattice.on_lines(corners))
-        found: dict[Band, list[Failing]] = {pair: [] for pair in pairs}
+        failing: dict[Band, list[Failing]] = {pair: [] for pair in pairs}
         for number in np.nonzero(~good)[0].tolist():
-            pair, own = bands[number]
-            found[pair].append((own, bool(sizes[number] <= 0)))
-        return found
+            pair, triangle = bands[number]
+            failing[pair].append((triangle, bool(sizes[number] <= 0)))
+        return failing
 
     def _refine(self, pair: Band, failing: Sequence[Failing]) -> set[int]:
         """Halve sides of triangles that fail; which rings have more points."""
         more: dict[int, set[int]] = {number: set() for number in pair}
         for (which, place, apex), is_turned in failing:
-            own, other = pair[which], pair[1 - which]
-            points = [(own, self.ring(own).halve(place))]
+            base, other = pair[which], pair[1 - which]
+            points = [(base, self.ring(base).halve(place))]
             if points[0][1] is None or is_turned:
                 points += [(other, self.ring(other).halve(k)) for k in (apex, apex - 1)]
             for number, point in points:
@@ -432,6 +434,6 @@ class MeshBuilder:
                 x, y = ring.points[point]
                 corners.append(f"{int(x)} {int(y)} {value}")
         for pair in pairwise(used):
-            for own in band(self.ring(pair[0]), self.ring(pair[1])):
-                triangles.append(" ".join(str(numbers[corner]) for corner in self._corners(pair, own)))
+            for triangle in band(self.ring(pair[0]), self.ring(pair[1])):
+                triangles.append(" ".join(str(numbers[corner]) for corner in self._corners(pair, triangle)))
         return {"unit": str(self.lattice.unit), "corners": corners, "triangles": triangles}

@@ -167,15 +167,15 @@ class FloatField:
         Sines and cosines lie between affine functions, as the checker bounds them (:mod:`..checker.waves`).
         """
         for k, side in enumerate(self.plane.sides(cell)):
-            still, *moved = (max(own.degree for own in part) for part in side.parts)
+            still, *moved = (max(polynomial.degree for polynomial in part) for part in side.parts)
             count, states = triangles.shape[1:]
-            points = bernstein(max([still, *(own + 1 for own in moved)]), count)
+            points = bernstein(max([still, *(degree + 1 for degree in moved)]), count)
             at, corners = points.places(triangles), triangles.reshape(-1, states)
             bounds = []
-            for (_, v), own in zip(self.plane.waves[k], self.waves(k, corners), strict=True):
+            for (_, v), wave in zip(self.plane.waves[k], self.waves(k, corners), strict=True):
                 arguments = values(v, corners).reshape(len(triangles), count)
                 error = (arguments.max(axis=1) - arguments.min(axis=1)) ** 2 / 8
-                mean = points.weights(own.reshape(len(triangles), count))
+                mean = points.weights(wave.reshape(len(triangles), count))
                 bounds.append([(mean + sign * error[:, None]).ravel() for sign in (-1, 1)])
             for waves in product(*bounds):
                 yield self.side(cell, k, at.reshape(-1, states), waves).reshape(at.shape), points
@@ -189,23 +189,25 @@ class FloatField:
         if not listed:
             yield (), np.ones(len(triangles), dtype=bool)
             return
-        points = bernstein(max(own.degree for own in listed), triangles.shape[1])
+        points = bernstein(max(surface.degree for surface in listed), triangles.shape[1])
         at = points.places(triangles)
         guards = self.guards(at.reshape(-1, at.shape[2])).reshape(*at.shape[:2], len(listed))
         allowed = np.empty((len(triangles), len(listed), 2), dtype=bool)
         for number in range(len(listed)):
             if number in exact:
-                own, slack = exact[number], 0.0
+                coefficients, slack = exact[number], 0.0
             else:
-                own = points.coefficients(guards[:, :, number])
-                slack = SMALL * max_norm(own)
-            allowed[:, number] = np.stack([own.min(axis=1) < -slack, own.max(axis=1) > slack], axis=1)
+                coefficients = points.coefficients(guards[:, :, number])
+                slack = SMALL * max_norm(coefficients)
+            allowed[:, number] = np.stack([coefficients.min(axis=1) < -slack, coefficients.max(axis=1) > slack], axis=1)
             if slack:
-                allowed[:, number] |= np.abs(own).min(axis=1)[:, None] <= slack
+                allowed[:, number] |= np.abs(coefficients).min(axis=1)[:, None] <= slack
         groups: list[tuple[Pattern, Mask]] = [((), np.ones(len(triangles), dtype=bool))]
         for number in range(len(listed)):
-            more = [((*own, s), here & allowed[:, number, k]) for own, here in groups for k, s in enumerate((-1, 1))]
-            groups = [(own, here) for own, here in more if here.any()]
+            more = [
+                ((*signs, s), here & allowed[:, number, k]) for signs, here in groups for k, s in enumerate((-1, 1))
+            ]
+            groups = [(signs, here) for signs, here in more if here.any()]
         yield from groups
 
     def guards(self, x: Floats) -> Floats:
@@ -224,7 +226,7 @@ class FloatField:
     def side(self, signs: Pattern, number: int, x: Floats, waves: Sequence[Floats]) -> Floats:
         """The velocities of one right-hand side for some values of its sines and cosines: shape (places, states)."""
         still, *moved = self._parts(signs, number)(x)
-        return still + sum(wave[:, None] * own for wave, own in zip(waves, moved, strict=True))
+        return still + sum(wave[:, None] * part for wave, part in zip(waves, moved, strict=True))
 
     @cached_property
     def _parts(self) -> Callable[[Pattern, int], Callable[[Floats], Floats]]:
@@ -233,7 +235,7 @@ class FloatField:
         @cache
         def made(signs: Pattern, number: int) -> Callable[[Floats], Floats]:
             parts = self.plane.sides(signs)[number].parts
-            at = together([own for part in parts for own in part])
+            at = together([polynomial for part in parts for polynomial in part])
             return lambda x: at(x).reshape(len(parts), -1, len(x)).transpose(0, 2, 1)
 
         return made
@@ -255,14 +257,14 @@ class FloatField:
         guards = self.guards(x)
         if not guards.shape[1]:
             return self.on((), ends)
-        found = None
+        velocities = None
         for signs, here in by_pattern(np.where(guards >= 0, 1, -1)):
-            own = self.on(signs, ends[here])
-            found = np.zeros((len(own), *x.shape)) if found is None else found
-            found[:, here] = own
-        if found is None:
+            cell_velocities = self.on(signs, ends[here])
+            velocities = np.zeros((len(cell_velocities), *x.shape)) if velocities is None else velocities
+            velocities[:, here] = cell_velocities
+        if velocities is None:
             raise ValueError("required a place")
-        return found
+        return velocities
 
 
 def mixtures(below: Floats, above: Floats, normals: Floats) -> tuple[Floats, Mask]:
@@ -289,25 +291,25 @@ class Bernstein:
     def __init__(self, degree: int, corners: int) -> None:
         self.degree = degree
         chosen = product(range(degree, -1, -1), repeat=corners)
-        powers = np.array([own for own in chosen if sum(own) == degree])[::-1]
+        powers = np.array([exponents for exponents in chosen if sum(exponents) == degree])[::-1]
         self.nodes = powers / degree if degree else np.full((1, corners), 1 / corners)
         columns = []
-        for own in powers:
-            weight = factorial(degree) / prod(factorial(k) for k in own)
-            columns.append(weight * (self.nodes**own).prod(axis=1))
+        for exponents in powers:
+            weight = factorial(degree) / prod(factorial(k) for k in exponents)
+            columns.append(weight * (self.nodes**exponents).prod(axis=1))
         self.inverse = np.linalg.inv(np.stack(columns, axis=1))
 
     def places(self, triangles: Floats) -> Floats:
         """The points at which a polynomial is looked at: shape (simplices, nodes, states)."""
         return self.nodes @ triangles
 
-    def weights(self, own: Floats) -> Floats:
+    def weights(self, at_corners: Floats) -> Floats:
         """The affine functions with some values at the corners, of shape (simplices, corners), at these points."""
-        return own @ self.nodes.T
+        return at_corners @ self.nodes.T
 
-    def coefficients(self, own: Floats) -> Floats:
+    def coefficients(self, at_nodes: Floats) -> Floats:
         """From values of shape (triangles, nodes)."""
-        return own @ self.inverse.T
+        return at_nodes @ self.inverse.T
 
 
 @cache
@@ -318,15 +320,15 @@ def bernstein(degree: int, corners: int = 3) -> Bernstein:
 
 def together(polynomials: Sequence[Polynomial]) -> Callable[[Floats], Floats]:
     """Polynomials of the checker in floats, by the powers that they share: at places, shape (polynomials, places)."""
-    exponents = sorted({own for p in polynomials for own in p.terms}) or [(0,) * polynomials[0].count]
-    weights = np.array([[float(p.terms.get(own, 0)) for own in exponents] for p in polynomials])
-    top = max(max(own) for own in exponents)
+    exponents = sorted({key for p in polynomials for key in p.terms}) or [(0,) * polynomials[0].count]
+    weights = np.array([[float(p.terms.get(key, 0)) for key in exponents] for p in polynomials])
+    top = max(max(key) for key in exponents)
 
     def at(x: Floats) -> Floats:
         powers = list(accumulate([x.T] * top, mul))
         terms = np.ones((len(exponents), len(x)))
-        for number, own in enumerate(exponents):
-            for k, e in enumerate(own):
+        for number, key in enumerate(exponents):
+            for k, e in enumerate(key):
                 if e:
                     terms[number] *= powers[e - 1][k]
         return weights @ terms
@@ -429,12 +431,12 @@ def _potential(system: System, local: Record) -> Callable[[Floats], Floats]:
         return None
 
     def potential(x: Floats) -> Floats:
-        found = np.full(len(x), np.inf)
+        heights = np.full(len(x), np.inf)
         for signs, here in by_pattern(sign_patterns(x)):
-            own = piece(signs)
-            if own is not None:
-                found[here] = values(own, x[here])
-        return found
+            polynomial = piece(signs)
+            if polynomial is not None:
+                heights[here] = values(polynomial, x[here])
+        return heights
 
     return potential
 
@@ -451,8 +453,8 @@ def level_ring(field: FloatField, home: Home) -> Floats | None:
     _, rows, places = field.crossings(ring)
     gaps = row_norms(places - ring[rows]), row_norms(places - following(ring)[rows])
     apart = np.minimum(*gaps) > APART * (gaps[0] + gaps[1])
-    own = (unit_rows(places))[apart]
-    rays = np.insert(unit_rows(ring), rows[apart] + 1, own, axis=0)
+    directions = (unit_rows(places))[apart]
+    rays = np.insert(unit_rows(ring), rows[apart] + 1, directions, axis=0)
     ring = rays * home.reach(rays)[:, None]
     return None if np.isnan(ring).any() else ring
 
@@ -613,14 +615,14 @@ def followed_home(field: FieldInCells, starts: Floats, home: Callable[[Floats], 
 
 def inside_ring(ring: Sequence[Sequence[float]] | Floats, x: Floats) -> Mask:
     """Which places a polygon goes around."""
-    found = np.zeros(len(x), dtype=bool)
+    inside = np.zeros(len(x), dtype=bool)
     corners = np.asarray(ring, dtype=float)
     for (ax, ay), (bx, by) in zip(corners, following(corners), strict=True):
         if ay == by:
             continue
         crosses = (ay > x[:, 1]) != (by > x[:, 1])
-        found ^= crosses & (x[:, 0] < ax + (x[:, 1] - ay) / (by - ay) * (bx - ax))
-    return found
+        inside ^= crosses & (x[:, 0] < ax + (x[:, 1] - ay) / (by - ay) * (bx - ax))
+    return inside
 
 
 def unit_ball(linear: Floats, share: float) -> Floats:

@@ -105,11 +105,11 @@ def geodesic_sphere(frequency: int, planes: Floats | None = None) -> tuple[Float
         golden = (1 + 5**0.5) / 2
         corners = [np.roll((0.0, s, t * golden), k) for k in range(3) for s in (-1, 1) for t in (-1, 1)]
         chosen = ((i, j, k) for i in range(12) for j in range(i) for k in range(j))
-        sides = [own for own in chosen if _is_side(corners, *own)]
+        sides = [triple for triple in chosen if _is_side(corners, *triple)]
     else:
         frequency, span = round(FINER * frequency), np.linalg.svd(planes)[2]
         ends = np.linalg.inv(np.vstack([planes, span[len(planes) :]])).T
-        corners = [sign * own / np.linalg.norm(own) for sign in (1, -1) for own in ends]
+        corners = [sign * end / np.linalg.norm(end) for sign in (1, -1) for end in ends]
         sides = list(product((0, 3), (1, 4), (2, 5)))
     numbers: dict[tuple[tuple[int, int], ...], int] = {}
     places, triangles = list[Floats](), list[tuple[int, int, int]]()
@@ -122,26 +122,28 @@ def geodesic_sphere(frequency: int, planes: Floats | None = None) -> tuple[Float
             places.append(np.asarray(place / np.linalg.norm(place)))
         return numbers[key]
 
-    for own in sides:
+    for side in sides:
 
-        def at(i: int, j: int, own: tuple[int, ...] = own) -> int:
-            return number(tuple(zip(own, (i, j, frequency - i - j), strict=True)))
+        def at(i: int, j: int, side: tuple[int, ...] = side) -> int:
+            return number(tuple(zip(side, (i, j, frequency - i - j), strict=True)))
 
         for i in range(frequency):
             for j in range(frequency - i):
                 triangles.append((at(i + 1, j), at(i, j + 1), at(i, j)))
                 if i + j + 1 < frequency:
                     triangles.append((at(i + 1, j + 1), at(i, j + 1), at(i + 1, j)))
-    sphere, found = np.array(places), np.array(triangles)
-    inward = np.linalg.det(sphere[found]) < 0
-    found[inward] = found[inward][:, ::-1]
+    sphere, faces = np.array(places), np.array(triangles)
+    inward = np.linalg.det(sphere[faces]) < 0
+    faces[inward] = faces[inward][:, ::-1]
     count = 0 if planes is None else len(planes)
-    held = np.array([[all(corner % 3 != k for corner, _ in key) for k in range(count)] for key in numbers], dtype=bool)
-    return sphere, found, held
+    incidence = np.array(
+        [[all(corner % 3 != k for corner, _ in key) for k in range(count)] for key in numbers], dtype=bool
+    )
+    return sphere, faces, incidence
 
 
-def _is_side(corners: Sequence[Floats], *own: int) -> bool:
-    return all(np.linalg.norm(corners[i] - corners[j]) < 2.1 for i in own for j in own)
+def _is_side(corners: Sequence[Floats], *numbers: int) -> bool:
+    return all(np.linalg.norm(corners[i] - corners[j]) < 2.1 for i in numbers for j in numbers)
 
 
 def tetrahedra_between(triangles: Triples, count: int) -> Triples:
@@ -151,12 +153,12 @@ def tetrahedra_between(triangles: Triples, count: int) -> Triples:
     """
     is_even = np.linalg.det(np.eye(3)[np.argsort(triangles, axis=1)]) > 0
     a, b, c = np.sort(triangles, axis=1).T
-    found = []
-    for own in ((a, b, c, c + count), (a, b, c + count, b + count), (a, a + count, b + count, c + count)):
-        corners = np.stack(own, axis=1)
+    tetrahedra = []
+    for columns in ((a, b, c, c + count), (a, b, c + count, b + count), (a, a + count, b + count, c + count)):
+        corners = np.stack(columns, axis=1)
         corners[~is_even] = corners[~is_even][:, [1, 0, 2, 3]]
-        found.append(corners)
-    return np.concatenate(found)
+        tetrahedra.append(corners)
+    return np.concatenate(tetrahedra)
 
 
 # ---- fronts --------------------------------------------------------------------------------------
@@ -198,7 +200,7 @@ class Front:
         self.back = np.linalg.inv(self.units)
         self.limit = max(limit, WIDER * max_norm(self.rays))
         self.between = tetrahedra_between(self.triangles, self.count)
-        ends = np.concatenate([self.triangles[:, own] for own in ([0, 1], [1, 2], [0, 2])])
+        ends = np.concatenate([self.triangles[:, columns] for columns in ([0, 1], [1, 2], [0, 2])])
         self.edges = np.unique(np.sort(ends, axis=1), axis=0)
 
     @property
@@ -216,9 +218,9 @@ class Front:
         pairs = list(combinations_with_replacement(range(3), 2))
         columns = np.stack([sphere[:, i] * sphere[:, j] for i, j in pairs], axis=1)
         form = np.zeros((3, 3))
-        for (i, j), own in zip(pairs, np.linalg.lstsq(columns, distances**-2)[0], strict=True):
-            form[i, j] += own / 2
-            form[j, i] += own / 2
+        for (i, j), coefficient in zip(pairs, np.linalg.lstsq(columns, distances**-2)[0], strict=True):
+            form[i, j] += coefficient / 2
+            form[j, i] += coefficient / 2
         if not np.linalg.eigvalsh(form).min() > 0:
             return np.eye(3)
         return np.linalg.inv(np.linalg.cholesky(form).T)
@@ -235,7 +237,7 @@ class Front:
             return None
         slopes = slopes_along(lambda x: sliding(self.field, x, normal)[0], plane, size)
         across = WIDTH * size * normal / np.linalg.norm(normal)
-        jump = np.subtract(*(self.field.at(own[None])[0, 0] for own in (across, -across)))
+        jump = np.subtract(*(self.field.at(place[None])[0, 0] for place in (across, -across)))
         flat, jump = plane.T @ unit_ball(plane @ slopes, SHIFT), jump / np.linalg.norm(jump)
         flat = flat * reach(home, flat.T).min()
         units = np.column_stack([flat, reach(home, jump[None])[0] * jump])
@@ -245,17 +247,17 @@ class Front:
         """Polyhedra from the first one on, as few as serve, on whose shells floats see W fall."""
         best, tries = [np.zeros(self.count)], self.effort.disturbances
         for number, part in enumerate(tries):
-            steps, found = self.effort.steps, [np.zeros(self.count)]
+            steps, polyhedra = self.effort.steps, [np.zeros(self.count)]
             for step in range(steps):
                 announce(number * steps + step, len(tries) * steps)
-                after = self._after(found[-1], part)
-                growth = float((after - found[-1]).mean())
-                found.append(after)
+                after = self._after(polyhedra[-1], part)
+                growth = float((after - polyhedra[-1]).mean())
+                polyhedra.append(after)
                 if growth < STILL:
                     break
-            kept = self._thinned(found)
-            if self.volume(kept[-1]) > self.volume(best[-1]):
-                best = kept
+            selection = self._thinned(polyhedra)
+            if self.volume(selection[-1]) > self.volume(best[-1]):
+                best = selection
         return best
 
     def _after(self, before: Floats, part: float) -> Floats:
@@ -276,7 +278,7 @@ class Front:
     def _aim(self, before: Floats, part: float) -> Floats:
         """How far rays go if the disturbed field is to lead into a polyhedron, made smoother."""
         normals, most = self._normals(before), self.effort.growth
-        near, far = (self._outside(before, before + own, normals, part) for own in (0.0, most))
+        near, far = (self._outside(before, before + growth, normals, part) for growth in (0.0, most))
         share = np.where(far <= 0, 1.0, -near / np.where(far > near, far - near, np.inf))
         aim = before + most * np.clip(share, 0, 1)
         smooth = aim
@@ -291,9 +293,9 @@ class Front:
         z = np.exp(start)[:, None] * self.sphere
         course = self._course(z, normals, part)
         step = np.full((self.count, 1), PATH)
-        for normal, held in zip(self.normals, self.held.T, strict=True):  # no further than to a plane
+        for normal, is_on in zip(self.normals, self.held.T, strict=True):  # no further than to a plane
             away, speed = z @ normal, course @ normal
-            meets = ~held & (away * speed < 0)
+            meets = ~is_on & (away * speed < 0)
             step[meets, 0] = np.minimum(step[meets, 0], -away[meets] / speed[meets])
         middle = z + step / 2 * course
         end = z + step * self._course(middle, normals, part)
@@ -303,9 +305,9 @@ class Front:
         """The disturbed field, of a speed that is the distance from the point, less near the limit."""
         places = z @ self.units.T
         field = self.field.at(places)[0]
-        for normal, held in zip(self.planes.values(), self.held.T, strict=True):
-            mixed, slides = sliding(self.field, places[held], np.array(normal, dtype=float))
-            field[held] = np.where(slides[:, None], mixed, field[held])
+        for normal, is_on in zip(self.planes.values(), self.held.T, strict=True):
+            mixed, slides = sliding(self.field, places[is_on], np.array(normal, dtype=float))
+            field[is_on] = np.where(slides[:, None], mixed, field[is_on])
         field = field @ self.back.T
         course = field / (row_norms(field)[:, None] + np.finfo(float).tiny) + part * normals
         room = np.clip(1 - (max_norms(places) / self.limit) ** 4, 0, 1)
@@ -339,9 +341,9 @@ class Front:
         weights = np.einsum("pkij,pj->pki", self._weights[near], units)
         rows = np.arange(len(z))
         chosen = weights.min(axis=2).argmax(axis=1)
-        own = np.clip(weights[rows, chosen], 0, None)
+        shares = np.clip(weights[rows, chosen], 0, None)
         corners = self.triangles[near[rows, chosen]]
-        return row_products(logarithms[corners], own) / own.sum(axis=1)
+        return row_products(logarithms[corners], shares) / shares.sum(axis=1)
 
     def _bad_sides(self, logarithms: Floats) -> Mask:
         """Over which sides the field is not seen to lead inward."""
@@ -349,22 +351,22 @@ class Front:
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         return ~falls(self.field, corners, normals, MARGIN, self._on_planes(corners, self.triangles))
 
-    def _thinned(self, found: Sequence[Floats]) -> list[Floats]:
+    def _thinned(self, polyhedra: Sequence[Floats]) -> list[Floats]:
         """Some of the polyhedra, a little apart: after each one the farthest of a few that serves as the next."""
-        apart = [own + APART * number for number, own in enumerate(found)]
-        kept, here = [apart[0]], 0
-        while here < len(found) - 1 and len(kept) <= self.effort.shells:
-            for number in dict.fromkeys(min(here + step, len(found) - 1) for step in AHEAD):
+        apart = [polyhedron + APART * number for number, polyhedron in enumerate(polyhedra)]
+        selection, here = [apart[0]], 0
+        while here < len(polyhedra) - 1 and len(selection) <= self.effort.shells:
+            for number in dict.fromkeys(min(here + step, len(polyhedra) - 1) for step in AHEAD):
                 few = FEW if number > here + 1 else 1.0
-                margin = SMALL / (1 + len(kept) / self.effort.shells)  # corners that stay need ever less
-                after = self._mended(kept[-1], np.maximum(apart[number], kept[-1] + APART), few, margin)
+                margin = SMALL / (1 + len(selection) / self.effort.shells)  # corners that stay need ever less
+                after = self._mended(selection[-1], np.maximum(apart[number], selection[-1] + APART), few, margin)
                 if after is not None:
                     break
             else:
                 break
-            kept.append(after)
+            selection.append(after)
             here = number
-        return kept
+        return selection
 
     def _mended(self, inner: Floats, outer: Floats, few: float, margin: float) -> Floats | None:
         """An outer polyhedron of which few corners go a part of their way only, so that W falls; None without one."""
@@ -373,7 +375,7 @@ class Front:
         for _ in range(MENDINGS):
             after = np.maximum(inner + shares * (outer - inner), inner + APART)
             failing = np.zeros(len(self.between), dtype=bool)
-            for part in (touched[own] for own in _parts(len(touched), TOGETHER)):
+            for part in (touched[piece] for piece in _parts(len(touched), TOGETHER)):
                 failing[part] = self._failing(inner, after, margin, self.between[part])
                 if failing.sum() > most:
                     return None
@@ -386,22 +388,24 @@ class Front:
             touched = np.nonzero(slower[self.between % self.count].any(axis=1))[0]
         return None
 
-    def _failing(self, inner: Floats, outer: Floats, margin: float, own: Triples) -> Mask:
+    def _failing(self, inner: Floats, outer: Floats, margin: float, tetrahedra: Triples) -> Mask:
         """Those of some tetrahedra between two polyhedra on which floats do not see W fall."""
-        places = np.concatenate([self.places(inner), self.places(outer)])[own]
-        sizes, slopes = gradients(places, (own >= self.count).astype(float))
-        return ~((sizes > 0) & falls(self.field, places, slopes, margin, self._on_planes(places, own % self.count)))
+        places = np.concatenate([self.places(inner), self.places(outer)])[tetrahedra]
+        sizes, slopes = gradients(places, (tetrahedra >= self.count).astype(float))
+        return ~(
+            (sizes > 0) & falls(self.field, places, slopes, margin, self._on_planes(places, tetrahedra % self.count))
+        )
 
     @cached_property
     def _beside_planes(self) -> tuple[Triples, Triples]:
         """Pairs of tetrahedra with a side between them in a plane, shape (pairs, 2), and the corners of the sides."""
-        held = self.held[self.between % self.count]
-        found: dict[tuple[int, ...], list[int]] = {}
+        is_on = self.held[self.between % self.count]
+        by_side: dict[tuple[int, ...], list[int]] = {}
         for k in range(len(self.planes)):
-            for number in np.nonzero(held[:, :, k].sum(axis=1) == 3)[0].tolist():
-                side = tuple(sorted(self.between[number][held[number, :, k]].tolist()))
-                found.setdefault(side, []).append(number)
-        both = {side: own for side, own in found.items() if len(own) == 2}
+            for number in np.nonzero(is_on[:, :, k].sum(axis=1) == 3)[0].tolist():
+                side = tuple(sorted(self.between[number][is_on[number, :, k]].tolist()))
+                by_side.setdefault(side, []).append(number)
+        both = {side: pair for side, pair in by_side.items() if len(pair) == 2}
         pairs, sides = np.array(list(both.values()), dtype=int), np.array(list(both), dtype=int)
         return pairs.reshape(-1, 2), sides.reshape(-1, 3)
 
@@ -438,8 +442,8 @@ class Front:
     def _on_planes(self, places: Floats, rays: Triples) -> dict[int, Floats]:
         """The values of the surfaces that edges follow, at corners on rays: zero on those along the plane."""
         return {
-            number: np.where(self.held[rays, k], 0, places @ np.array(own, dtype=float))
-            for k, (number, own) in enumerate(self.planes.items())
+            number: np.where(self.held[rays, k], 0, places @ np.array(normal, dtype=float))
+            for k, (number, normal) in enumerate(self.planes.items())
         }
 
     def places(self, logarithms: Floats) -> Floats:
@@ -450,33 +454,33 @@ class Front:
         """Of a polyhedron."""
         return float(np.linalg.det(self.places(logarithms)[self.triangles]).sum() / 6)
 
-    def record(self, found: Sequence[Floats]) -> dict[str, Any]:
+    def record(self, polyhedra: Sequence[Floats]) -> dict[str, Any]:
         """The mesh between polyhedra, as a certificate holds it: W is 0, 1, 2 and so on."""
-        power = BITS - int(np.ceil(np.log2(max_norm(self.places(found[-1])))))
+        power = BITS - int(np.ceil(np.log2(max_norm(self.places(polyhedra[-1])))))
         corners, tetrahedra = list[str](), list[str]()
-        for value, logarithms in enumerate(found):
+        for value, logarithms in enumerate(polyhedra):
             whole = np.rint(self.places(logarithms) * 2.0**power).astype(np.int64).tolist()
-            for place, held in zip(whole, self.held, strict=True):
+            for place, incidence in zip(whole, self.held, strict=True):
                 x, y, z = on_planes(
-                    place, [own for own, is_on in zip(self.planes.values(), held, strict=True) if is_on]
+                    place, [normal for normal, is_on in zip(self.planes.values(), incidence, strict=True) if is_on]
                 )
                 corners.append(f"{x} {y} {z} {value}")
-        for number in range(len(found) - 1):
+        for number in range(len(polyhedra) - 1):
             listed = (self.between + number * self.count).tolist()
-            tetrahedra += [" ".join(map(str, own)) for own in listed]
+            tetrahedra += [" ".join(map(str, tetrahedron)) for tetrahedron in listed]
         return {"unit": lattice_unit(power), "corners": corners, "tetrahedra": tetrahedra}
 
 
 def switching_planes(field: FloatField) -> dict[int, tuple[int, int, int]]:
     """Up to three planes through the point on which a field switches: their normals, by the numbers of the surfaces."""
-    found: dict[int, tuple[int, int, int]] = {}
-    for number, own in enumerate(field.surfaces):
-        if own.degree == 1 and not own.at_origin:
-            x, y, z = whole_plane(own)[0]
-            known = np.array([*found.values(), (x, y, z)], dtype=float)
-            if len(found) < 3 and np.linalg.matrix_rank(known) == len(known):
-                found[number] = x, y, z
-    return found
+    planes: dict[int, tuple[int, int, int]] = {}
+    for number, surface in enumerate(field.surfaces):
+        if surface.degree == 1 and not surface.at_origin:
+            x, y, z = whole_plane(surface)[0]
+            normals = np.array([*planes.values(), (x, y, z)], dtype=float)
+            if len(planes) < 3 and np.linalg.matrix_rank(normals) == len(normals):
+                planes[number] = x, y, z
+    return planes
 
 
 def on_planes(place: Sequence[int], normals: Sequence[tuple[int, int, int]]) -> tuple[int, int, int]:
@@ -485,7 +489,7 @@ def on_planes(place: Sequence[int], normals: Sequence[tuple[int, int, int]]) -> 
         (a, b, c), (d, e, f) = normals
         line = (b * f - c * e, c * d - a * f, a * e - b * d)
         common = gcd(*line)
-        x, y, z = (own // common for own in line)
+        x, y, z = (entry // common for entry in line)
         steps = round((x * place[0] + y * place[1] + z * place[2]) / (x * x + y * y + z * z))
         return steps * x, steps * y, steps * z
     x, y, z = on_plane(place, normals[0], 0) if normals else place
@@ -501,7 +505,7 @@ def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, Mask]
     """The mixtures along a plane of velocities of both sides at places in it, and where both lead to it."""
     width = WIDTH * row_norms(x)[:, None] * normal / np.linalg.norm(normal)
     there = x - np.outer(x @ normal, normal) / (normal @ normal)
-    above, below = (field.at(there + own)[0] for own in (width, -width))
+    above, below = (field.at(there + offset)[0] for offset in (width, -width))
     return mixtures(below, above, normal[None])
 
 
@@ -512,8 +516,8 @@ def reach(home: Home, rays: Floats) -> Floats:
     smaller ones by a factor, without an order.
     """
     shares = np.linspace(0, 1, 513)[1:, None] * home.within / max_norms(rays)
-    left = ~home((shares[:, :, None] * rays).reshape(-1, 3)).reshape(shares.shape)
-    last = np.where(left.any(axis=0), np.maximum(left.argmax(axis=0) - 1, 0), -1)
+    outside = ~home((shares[:, :, None] * rays).reshape(-1, 3)).reshape(shares.shape)
+    last = np.where(outside.any(axis=0), np.maximum(outside.argmax(axis=0) - 1, 0), -1)
     return shares[last, np.arange(len(rays))]
 
 
@@ -525,12 +529,12 @@ def inside_polyhedron(sides: Floats, x: Floats) -> Mask:
         x: places, shape (places, 3).
     """
     weights = np.linalg.inv(sides.transpose(0, 2, 1))
-    found = np.zeros(len(x), dtype=bool)
+    inside = np.zeros(len(x), dtype=bool)
     for part in _parts(len(x), 400):
-        own = np.einsum("tij,pj->pti", weights, x[part])
-        beneath = (own >= -APART).all(axis=2) & (own.sum(axis=2) < 1)
-        found[part] = beneath.any(axis=1)
-    return found
+        coordinates = np.einsum("tij,pj->pti", weights, x[part])
+        beneath = (coordinates >= -APART).all(axis=2) & (coordinates.sum(axis=2) < 1)
+        inside[part] = beneath.any(axis=1)
+    return inside
 
 
 def _parts(count: int, size: int) -> Iterator[slice]:

@@ -176,18 +176,18 @@ class NormalPart:
         if not self._rate:
             yield BorderStretch(Fraction(0), Fraction(1), 0)
             return
-        found, waiting, left = [], [(Fraction(0), Fraction(1))], MOST_PARTS
+        stretches, waiting, remaining = [], [(Fraction(0), Fraction(1))], MOST_PARTS
         while waiting:
             low, high = waiting.pop(0)
-            left -= 1
-            known = self._signs_on(low, high)
-            if known is not None:
-                found += known
-            elif left > 0 and high - low > SHORT:
+            remaining -= 1
+            pieces = self._signs_on(low, high)
+            if pieces is not None:
+                stretches += pieces
+            elif remaining > 0 and high - low > SHORT:
                 waiting += [(low, (low + high) / 2), ((low + high) / 2, high)]
             else:
-                found.append(BorderStretch(low, high, None))
-        yield from _joined(sorted(found, key=lambda stretch: stretch.low))
+                stretches.append(BorderStretch(low, high, None))
+        yield from _joined(sorted(stretches, key=lambda stretch: stretch.low))
 
     def _signs_on(self, low: Fraction, high: Fraction) -> list[BorderStretch] | None:
         """The signs on a part; None where they do not follow from one ball of the function and its derivative."""
@@ -209,7 +209,7 @@ class NormalPart:
         """A narrow enclosure of the one root between ends with different signs."""
         while high - low > NARROW:
             signs = ((at, self._sign_at(at)) for at in (low + share * (high - low) for share in CUTS))
-            cut, here = next((own for own in signs if own[1]), (low, None))
+            cut, here = next((pair for pair in signs if pair[1]), (low, None))
             if here is None:  # too near to the root to tell
                 return low, high
             low, high = (cut, high) if here == first else (low, cut)
@@ -253,8 +253,8 @@ def wave_border_parts(cells: Sequence[FieldCell], fields: Sequence[StatedField])
             continue
         for edge in common_edges(first.region, second.region):
             with ctx.workprec(BITS):
-                found = list(_wave_parts(f, g, edge))
-            yield from found
+                parts = list(_wave_parts(f, g, edge))
+            yield from parts
 
 
 def _wave_parts(first: StatedField, second: StatedField, edge: Segment) -> Iterator[BorderPart]:

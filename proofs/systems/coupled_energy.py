@@ -74,13 +74,13 @@ def _places(system: SwitchedSystem) -> list[Place]:
     if len(different) < len(speeds) or 2 * len(speeds) != len(system.states):
         return []
     fields = [system.members[0].velocity(_beside(system, side), system.displaced(system.states)) for side in (1, -1)]
-    found = []
+    places = []
     for place, (speed, rate) in speeds.items():
         force = (fields[0][speed] + fields[1][speed]) * Fraction(1, 2)  # so that dry friction drops out
         slope = force * (-1 / rate)
         still = {e: c for e, c in slope.terms.items() if not any(e[k] for k in different)}
-        found.append(Place(system.states[place], place, speed, Polynomial(slope.field, slope.variables, still)))
-    return found
+        places.append(Place(system.states[place], place, speed, Polynomial(slope.field, slope.variables, still)))
+    return places
 
 
 def _named(system: SwitchedSystem) -> Mapping[str, Polynomial]:
@@ -95,27 +95,27 @@ def _beside(system: SwitchedSystem, side: int) -> SignOf:
 
 def _masses(places: list[Place]) -> dict[int, Number] | None:
     """The masses by the numbers of places, 1 for the first of those that springs join; None where there are none."""
-    found: dict[int, Number] = {}
+    masses: dict[int, Number] = {}
     for first in places:
-        if first.number in found:
+        if first.number in masses:
             continue
-        found[first.number] = first.slope.field.one
+        masses[first.number] = first.slope.field.one
         waiting = [first]
         while waiting:
-            own = waiting.pop()
+            place = waiting.pop()
             for other in places:
-                ratio = _ratio(own.slope.derivative(other.name), other.slope.derivative(own.name))
+                ratio = _ratio(place.slope.derivative(other.name), other.slope.derivative(place.name))
                 if ratio is None:
                     return None
-                mass = found[own.number] * ratio
+                mass = masses[place.number] * ratio
                 if not ratio:
                     continue
-                if other.number not in found:
-                    found[other.number] = mass
+                if other.number not in masses:
+                    masses[other.number] = mass
                     waiting.append(other)
-                if found[other.number] != mass:
+                if masses[other.number] != mass:
                     return None
-    return found
+    return masses
 
 
 def _ratio(one: Polynomial, other: Polynomial) -> Number | None:

@@ -94,8 +94,8 @@ class CurvedKink:
     def _is_left_alone_by(self, other: LyapunovCell) -> bool:
         """Whether a cell adds neither a field nor a gradient at any point of the curve but the equilibrium."""
         fields = (*self.first.velocities, *self.second.velocities)
-        known = any(not other.potential - cell.potential for cell in (self.first, self.second))
-        if known and all(velocity in fields for velocity in other.velocities):
+        shares_potential = any(not other.potential - cell.potential for cell in (self.first, self.second))
+        if shares_potential and all(velocity in fields for velocity in other.velocities):
             return True
         sides = tuple(_linear(side, self.curve) for side in other.region.sides)
         there = replace(self.around, guards=(*self.around.guards, *other.region.guards, *sides))
@@ -274,8 +274,8 @@ def _kink_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
         at = place.low if isinstance(place, RealRoot) else place
         refutation = Refutation(kink.point(at), None, RISES_ON_LINE)
         if not isinstance(place, RealRoot):
-            found = derivatives_at(cells, kink.point(at)).bacciotti_ceragioli
-            refutation = Refutation(kink.point(at), found.high if found else None, refutation.meaning)
+            derivative = derivatives_at(cells, kink.point(at)).bacciotti_ceragioli
+            refutation = Refutation(kink.point(at), derivative.high if derivative else None, refutation.meaning)
     constant = all(
         rate.constant_value is not None
         for gradient in (kink.first.gradient, kink.second.gradient)
@@ -312,10 +312,10 @@ def _open_stratum(cells: Sequence[LyapunovCell], sample: Point) -> Stratum:
 
 def _curved_stratum(cells: Sequence[LyapunovCell], kink: CurvedKink) -> Stratum:
     """Two pieces of V beside a curve; what is proved is about the last derivative alone."""
-    found = _open_stratum(cells, kink.around.inner_point)
+    stratum = _open_stratum(cells, kink.around.inner_point)
     if not kink.falls(cells):
-        return found
-    return replace(found, trends=found.trends._replace(bacciotti_ceragioli=Trend.NEGATIVE))
+        return stratum
+    return replace(stratum, trends=stratum.trends._replace(bacciotti_ceragioli=Trend.NEGATIVE))
 
 
 def _overlap(first: LyapunovCell, second: LyapunovCell) -> Region | None:

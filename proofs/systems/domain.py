@@ -303,7 +303,7 @@ def disturbance_letter(states: Sequence[str]) -> str:
 def simple_below(value: Fraction) -> Fraction:
     """A simple fraction below a positive number, or at it, and nearly as large."""
     powers = ((value * (1 - WIDTH / 2)).limit_denominator(1 << k) for k in count())
-    return next(own for own in powers if value * (1 - WIDTH) <= own <= value)
+    return next(power for power in powers if value * (1 - WIDTH) <= power <= value)
 
 
 def gain_above(needed: Fraction | float) -> Fraction:

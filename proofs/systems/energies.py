@@ -58,7 +58,7 @@ class Pieces:
     @property
     def is_polynomial(self) -> bool:
         """Whether it is one on all sides."""
-        return all(own == self.polynomials[0] for own in self.polynomials)
+        return all(polynomial == self.polynomials[0] for polynomial in self.polynomials)
 
     @property
     def size(self) -> fmpq:
@@ -68,16 +68,16 @@ class Pieces:
 
     def times(self, factor: fmpq) -> Pieces:
         """The multiple."""
-        return Pieces(self.ends, tuple(own * factor for own in self.polynomials))
+        return Pieces(self.ends, tuple(polynomial * factor for polynomial in self.polynomials))
 
     @property
     def integral(self) -> Pieces:
         """The continuous one that is zero at 0."""
-        found = [own.integral() for own in self.polynomials]
+        integrals = [polynomial.integral() for polynomial in self.polynomials]
         for k, end in enumerate(self.ends):
-            found[k + 1] += found[k](end) - found[k + 1](end)
-        at_zero = found[self.ends.index(fmpq(0))](fmpq(0))
-        return Pieces(self.ends, tuple(own - at_zero for own in found))
+            integrals[k + 1] += integrals[k](end) - integrals[k + 1](end)
+        at_zero = integrals[self.ends.index(fmpq(0))](fmpq(0))
+        return Pieces(self.ends, tuple(integral - at_zero for integral in integrals))
 
     def terms(self) -> Iterator[tuple[fmpq, int, fmpq | None]]:
         """A continuous function as a sum of ``c x^k``, and of ``c x^k |x - end|``: coefficient, power and end."""
@@ -111,45 +111,45 @@ class Actions:
     @property
     def factors(self) -> list[fmpq]:
         """The c of each state, from the last one on; 1 where nothing else is asked."""
-        count, found = len(self.shapes), dict[int, fmpq]()
+        count, factors = len(self.shapes), dict[int, fmpq]()
         for last in reversed(range(count)):
-            waiting = [] if last in found else [last]
-            found.setdefault(last, fmpq(1))
+            waiting = [] if last in factors else [last]
+            factors.setdefault(last, fmpq(1))
             while waiting:
                 i = waiting.pop()
-                for j in set(range(count)) - set(found):
+                for j in set(range(count)) - set(factors):
                     there, back = self.rates.get((j, i), 0), self.rates.get((i, j), 0)
                     if there * back < 0:
-                        found[j] = -found[i] * back / there
+                        factors[j] = -factors[i] * back / there
                         waiting.append(j)
-        return [found[k] for k in range(count)]
+        return [factors[k] for k in range(count)]
 
     def energy(self, slanted: int | None = None, line: Polynomial | None = None) -> list[Term]:
         """V; the H of one state may be that of a linear form."""
-        found: list[Term] = []
+        terms: list[Term] = []
         for k, (factor, shape) in enumerate(zip(self.factors, self.shapes, strict=True)):
             at = line if k == slanted and line is not None else self.states[k]
-            found += self.product(factor, shape.integral, at, self.states[k] * 0 + 1)
-        return found
+            terms += self.product(factor, shape.integral, at, self.states[k] * 0 + 1)
+        return terms
 
     def product(self, factor: fmpq, function: Pieces, at: Polynomial, times: Polynomial) -> list[Term]:
         """A continuous function of a linear form, times a factor and a monomial."""
-        found = []
+        terms = []
         for c, k, end in function.terms():
             line, power = None if end is None else at - self.system.field(end), times
             for _ in range(k):
                 power = power * at
-            for exponents, own in power.terms.items():
-                known = own.as_rational()
-                if known is not None:
-                    found.append((c * factor * known, _bent(monomial(self.system.states, exponents), line)))
-        return found
+            for exponents, coefficient in power.terms.items():
+                rational = coefficient.as_rational()
+                if rational is not None:
+                    terms.append((c * factor * rational, _bent(monomial(self.system.states, exponents), line)))
+        return terms
 
     def written(self, terms: Sequence[Term]) -> Iterator[PiecewiseExpression]:
         """The sum as a formula of the states; none where that is too long."""
         total: dict[PiecewiseFunction, fmpq] = {}
-        for c, own in terms:
-            total[own] = total.get(own, fmpq(0)) + c
+        for c, function in terms:
+            total[function] = total.get(function, fmpq(0)) + c
         with suppress(ExpressionError):
             yield parse_piecewise(formula_text(list(total), list(total.values())), self.system.states)
 
@@ -180,10 +180,10 @@ def actions(system: SwitchedSystem, radius: Number | None) -> Actions | None:
         read = _along_axis(system, i, radius)
         if read is None:
             return None
-        acting = {j: own for j, own in enumerate(read) if j != i and own.size}
-        shape = next((own.times(1 / own.size) for own in acting.values()), IDENTITY)
+        acting = {j: action for j, action in enumerate(read) if j != i and action.size}
+        shape = next((action.times(1 / action.size) for action in acting.values()), IDENTITY)
         shapes.append(shape)
-        rates.update({(j, i): own.size for j, own in acting.items() if own == shape.times(own.size)})
+        rates.update({(j, i): action.size for j, action in acting.items() if action == shape.times(action.size)})
     return Actions(system, tuple(shapes), rates)
 
 
@@ -192,22 +192,22 @@ def _along_axis(system: SwitchedSystem, i: int, radius: Number | None) -> list[P
     states, count = system.displaced(system.states), len(system.states)
     ends = _ends(system, i, radius)
     near = NEAR * min((right - left for left, right in pairwise(ends)), default=fmpq(1))
-    off = near ** (1 + max((own.degree for own in system.surfaces(states)), default=1))  # less than curves bend
+    off = near ** (1 + max((surface.degree for surface in system.surfaces(states)), default=1))  # less than curves bend
     pieces: list[list[fmpq_poly]] = [[] for _ in system.states]
     for beside in [*(end - near for end in ends if end <= 0), *(end + near for end in ends if end >= 0)]:
         total = [fmpq_poly() for _ in system.states]
         for side in (1, -1):
             aside = [side * off / (k + 1) for k in range(count)]
-            at = [system.field(beside if k == i else own) for k, own in enumerate(aside)]
+            at = [system.field(beside if k == i else offset) for k, offset in enumerate(aside)]
             read = _alone_near(system, states, i, at)
             if read is None:
                 return None
-            total = [own + part / 2 for own, part in zip(total, read, strict=True)]
-        if max(own.degree() for own in total) > MOST_DEGREE:
+            total = [polynomial + part / 2 for polynomial, part in zip(total, read, strict=True)]
+        if max(polynomial.degree() for polynomial in total) > MOST_DEGREE:
             return None
-        for own, value in zip(pieces, total, strict=True):
-            own.append(value)
-    return [Pieces(tuple(ends), tuple(own)) for own in pieces]
+        for polynomials, value in zip(pieces, total, strict=True):
+            polynomials.append(value)
+    return [Pieces(tuple(ends), tuple(polynomials)) for polynomials in pieces]
 
 
 def _alone_near(
@@ -218,20 +218,20 @@ def _alone_near(
     Fields that were multiplied by denominators are divided again where that leaves polynomials.
     """
 
-    def sign_of(own: Polynomial) -> int:
-        return own(at).sign()
+    def sign_of(polynomial: Polynomial) -> int:
+        return polynomial(at).sign()
 
     scale = None
     if system.rewriting.scale is not None and not system.rewriting.norms:
         scale = _alone(system.rewriting.scale.polynomial(system.named(states), sign_of), i)
-    found = []
+    polynomials = []
     for part in system.members[0].velocity(sign_of, states):
         alone = _alone(part, i)
         if alone is None:
             return None
         quotient, rest = divmod(alone, scale or fmpq_poly([1]))
-        found.append(alone if rest else quotient)
-    return found
+        polynomials.append(alone if rest else quotient)
+    return polynomials
 
 
 def _alone(value: Polynomial, i: int) -> fmpq_poly | None:
@@ -244,15 +244,15 @@ def _alone(value: Polynomial, i: int) -> fmpq_poly | None:
 
 def _ends(system: SwitchedSystem, i: int, radius: Number | None) -> list[fmpq]:
     """Where the axis of a state meets switching surfaces at rational places, and 0; in ascending order."""
-    found = {fmpq(0)}
+    ends = {fmpq(0)}
     for surface in system.surfaces(system.displaced(system.states)):
-        own = {e[i]: c for e, c in surface.terms.items() if e[i] == sum(e)}
-        if set(own) in ({0, 1}, {1}):
-            end = -own.get(0, system.field.zero) / own[1]
-            known = end.as_rational()
-            if known is not None and (radius is None or abs(end) < radius):
-                found.add(known)
-    return sorted(found)
+        coefficients = {e[i]: c for e, c in surface.terms.items() if e[i] == sum(e)}
+        if set(coefficients) in ({0, 1}, {1}):
+            end = -coefficients.get(0, system.field.zero) / coefficients[1]
+            rational = end.as_rational()
+            if rational is not None and (radius is None or abs(end) < radius):
+                ends.add(rational)
+    return sorted(ends)
 
 
 # ---- candidates ------------------------------------------------------------------------------------
@@ -260,55 +260,59 @@ def _ends(system: SwitchedSystem, i: int, radius: Number | None) -> list[fmpq]:
 
 def energies_within(system: SwitchedSystem, radius: Number | None) -> Iterator[PiecewiseExpression]:
     """That of masses which springs join, and the sum of functions of one state each, on a cube of some half-width."""
-    coupled, known = coupled_energy(system), actions(system, radius)
+    coupled, interaction = coupled_energy(system), actions(system, radius)
     if coupled is not None:
         yield coupled
-    if known is not None:
-        yield from known.written(known.energy())
+    if interaction is not None:
+        yield from interaction.written(interaction.energy())
 
 
 def energies(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
     """Energies in the whole space, then those with an H of a linear form that switches."""
     yield from energies_within(system, None)
-    known = actions(system, None)
-    if known is None:
+    interaction = actions(system, None)
+    if interaction is None:
         return
     for surface in system.surfaces(system.displaced(system.states)):
         slopes = {e.index(1): c for e, c in surface.terms.items() if sum(e) == 1}
         for i in slopes if surface.degree == 1 and len(slopes) > 1 else ():
-            if not known.shapes[i].is_polynomial:
-                line = known.states[0] * 0
+            if not interaction.shapes[i].is_polynomial:
+                line = interaction.states[0] * 0
                 for k, slope in slopes.items():
-                    line = line + known.states[k] * (slope / slopes[i])
-                yield from known.written(known.energy(i, line))
+                    line = line + interaction.states[k] * (slope / slopes[i])
+                yield from interaction.written(interaction.energy(i, line))
 
 
 def falling_energies(system: SwitchedSystem, radius: Number) -> Iterator[PiecewiseExpression]:
     """Energies that may fall on a square of some half-width, in two states; with a cross term where ``x' = a v``."""
-    known = actions(system, radius)
-    if known is None:
+    interaction = actions(system, radius)
+    if interaction is None:
         return
-    yield from known.written(known.energy())
+    yield from interaction.written(interaction.energy())
     for place, other in ((0, 1), (1, 0)):
-        if not _is_multiple(system, place, other) or (other, place) not in known.rates:
+        if not _is_multiple(system, place, other) or (other, place) not in interaction.rates:
             continue
-        scale = 1 / known.factors[other]
-        energy = [(c * scale, own) for c, own in known.energy()]
-        force = known.shapes[place].times(-known.rates[other, place])
-        side = fmpq(1) if known.rates[place, other] > 0 else fmpq(-1)
+        scale = 1 / interaction.factors[other]
+        energy = [(c * scale, function) for c, function in interaction.energy()]
+        force = interaction.shapes[place].times(-interaction.rates[other, place])
+        side = fmpq(1) if interaction.rates[place, other] > 0 else fmpq(-1)
         shapes = [IDENTITY.times(side)]
         if force.is_continuous and force != shapes[0]:
             shapes.append(force)
         for share in SHARES:
             for shape in shapes:
-                crossed = known.product(as_fmpq(share), shape, known.states[place], known.states[other])
-                yield from known.written(energy + crossed)
+                crossed = interaction.product(
+                    as_fmpq(share), shape, interaction.states[place], interaction.states[other]
+                )
+                yield from interaction.written(energy + crossed)
 
 
 def _is_multiple(system: SwitchedSystem, place: int, other: int) -> bool:
     """Whether the velocity of one state is a multiple of another state."""
-    own = system.rhs[place]
-    if own.switching_parts:
+    velocity = system.rhs[place]
+    if velocity.switching_parts:
         return False
     values = system.named(system.displaced(system.states))
-    return set(own.polynomial(values, no_sign).terms) == {tuple(int(k == other) for k in range(len(system.states)))}
+    return set(velocity.polynomial(values, no_sign).terms) == {
+        tuple(int(k == other) for k in range(len(system.states)))
+    }

@@ -186,18 +186,18 @@ class Known:
     @property
     def standing(self) -> Finding | None:
         """The last one; a V that does not increase only where there is no other."""
-        said = [own for own in self.findings if not own.is_weak] or self.findings
-        return said[-1] if said else None
+        findings = [finding for finding in self.findings if not finding.is_weak] or self.findings
+        return findings[-1] if findings else None
 
     @property
     def function(self) -> Any:
         """The last V that shows something; None without one."""
-        return next((own.function for own in reversed(self.findings) if own.function is not None), None)
+        return next((finding.function for finding in reversed(self.findings) if finding.function is not None), None)
 
     @property
     def attraction_is_refuted(self) -> bool:
         """Whether the point is known not to attract."""
-        return any(own.refutes for own in self.findings)
+        return any(finding.refutes for finding in self.findings)
 
     def is_silent(self) -> bool:
         """Whether nothing says something."""
@@ -305,7 +305,7 @@ class DecidedSystem:
 
     def by(self, theorem: str) -> Finding | None:
         """What a theorem shows; None where it shows nothing, or was not asked."""
-        return next((own for own in self.findings if own.theorem is theorem), None)
+        return next((finding for finding in self.findings if finding.theorem is theorem), None)
 
 
 class CheckedPoint(ABC):
@@ -343,7 +343,7 @@ class CheckedPoint(ABC):
         """The same on a whole cube about it, or in the space (None)."""
         return True
 
-    def reach(self, found: Finding) -> Reach:
+    def reach(self, finding: Finding) -> Reach:
         """What is known of starts and times beside the V that decides."""
         return Reach()
 

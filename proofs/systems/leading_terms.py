@@ -107,10 +107,10 @@ class LeadingTerms:
         if self.growth is not None:
             return str(self.growth)
         outward = [m for m in self.motions if m.direction > 0]
-        told = outward[0] if outward else self.motions[0]
-        where = f"the ray through {place_text(told.ray, 5)}" if self.weights == UNWEIGHTED else "a curve"
+        motion = outward[0] if outward else self.motions[0]
+        where = f"the ray through {place_text(motion.ray, 5)}" if self.weights == UNWEIGHTED else "a curve"
         if outward:
-            return f"a solution {'slides' if told.sliding else 'runs'} outward along {where}"
+            return f"a solution {'slides' if motion.sliding else 'runs'} outward along {where}"
         count = len(self.motions)
         more = f" and {count - 1} more" if count > 1 else ""
         return f"all radial motions lead inward (along {where}{more})"
@@ -134,9 +134,9 @@ def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
     The equilibrium must hold 0 in its Filippov set.
     """
     if system.only_encloses and len(system.rewriting.written) == 1:
-        found = _of_enclosed(system)
-        if found is not None or system.rewriting.waves:
-            return found
+        leading = _of_enclosed(system)
+        if leading is not None or system.rewriting.waves:
+            return leading
     if system.others:
         worst = _worst_turn(system)
         if worst is None or not worst.sign or (system.only_encloses and worst.sign > 0):
@@ -144,9 +144,9 @@ def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
         return _by_turn(axes_frame(system), UNWEIGHTED, worst)
     for frame, weights in _coordinates(system):
         fan = build_tangent_fan(system, weights, frame)
-        found = decide_fan_of_leading_terms(fan) if fan is not None else None
-        if found is not None:
-            return found
+        leading = decide_fan_of_leading_terms(fan) if fan is not None else None
+        if leading is not None:
+            return leading
     return _by_fused_focus(system)
 
 
@@ -158,10 +158,10 @@ def _of_enclosed(system: SwitchedSystem) -> LeadingTerms | None:
     first, *others = system.members
     for frame, weights in _coordinates(first):
         fan = build_tangent_fan(first, weights, frame)
-        known = fan is not None and needs_no_other_terms(fan)
-        found = decide_fan_of_leading_terms(fan) if fan is not None and known else None
-        if found is not None and all(_leading(build_tangent_fan(m, weights, frame)) == _leading(fan) for m in others):
-            return found
+        suffices = fan is not None and needs_no_other_terms(fan)
+        leading = decide_fan_of_leading_terms(fan) if fan is not None and suffices else None
+        if leading is not None and all(_leading(build_tangent_fan(m, weights, frame)) == _leading(fan) for m in others):
+            return leading
     return None
 
 
@@ -208,7 +208,7 @@ def _coordinates(system: SwitchedSystem) -> Iterator[tuple[Frame, Weights]]:
 
 def _line_frames(system: SwitchedSystem) -> Iterator[Frame]:
     """Each switching line through the point with another form."""
-    lines = (own for own in system.surfaces(system.displaced(PLANE)) if own.degree == 1 and own.is_homogeneous)
+    lines = (line for line in system.surfaces(system.displaced(PLANE)) if line.degree == 1 and line.is_homogeneous)
     forms = [(line.slope(0), line.slope(1)) for line in lines]
     for form in forms:
         yield form, next(f for f in (*forms, *axes_frame(system)) if cross(form, f))
@@ -396,15 +396,15 @@ def turn_growth(fans: Sequence[TangentFan]) -> TurnGrowth | None:
     senses = {_sense(cone) for members in cones for cone in members}
     if len(senses) != 1 or 0 in senses:
         return None
-    sense, total, found = senses.pop(), arb(0), 0
+    sense, total, growth_sign = senses.pop(), arb(0), 0
     for bits in PRECISIONS:
         with ctx.workprec(bits):
             total = sum((_largest_growth(members, sense) for members in cones), arb(0))
-            found = 1 if total > 0 else -1 if total < 0 else 0
-            if found:
+            growth_sign = 1 if total > 0 else -1 if total < 0 else 0
+            if growth_sign:
                 break
     low, high = (end.str(8, radius=False) for end in (total.exp().lower(), total.exp().upper()))
-    return TurnGrowth(sense, low, high, found, is_worst=len(fans) > 1)
+    return TurnGrowth(sense, low, high, growth_sign, is_worst=len(fans) > 1)
 
 
 def growth_on_chord(cone: TangentCone, sense: int) -> Callable[[acb], acb]:
@@ -422,8 +422,8 @@ def _on_chord(form: Polynomial, cone: TangentCone) -> Callable[[acb], acb]:
     It is not expanded in powers of t: coefficients far apart in size would cancel there, near one of the rays.
     """
     terms = in_generators(form.terms, [cone.start, cone.end])
-    known = [(int(first), int(second), acb(form.field(c).ball())) for (first, second), c in terms.items()]
-    return lambda t: sum((c * (1 - t) ** first * t**second for first, second, c in known), acb(0))
+    ball_terms = [(int(first), int(second), acb(form.field(c).ball())) for (first, second), c in terms.items()]
+    return lambda t: sum((c * (1 - t) ** first * t**second for first, second, c in ball_terms), acb(0))
 
 
 Rate: TypeAlias = Callable[[acb], acb]
@@ -435,10 +435,14 @@ WIDTH = Fraction(1, 2**40)  # of the pieces around roots
 def _worst_turn(system: SwitchedSystem) -> TurnGrowth | None:
     """The worst turn about the checked point; None where not all fields turn in one sense without radial directions."""
     fans = [build_tangent_fan(member) for member in system.members]
-    known = [fan for fan in fans if fan is not None]
-    if len(known) < len(fans) or len({fan.degree for fan in known}) > 1 or any(map(_is_touched, known)):
+    tangent_fans = [fan for fan in fans if fan is not None]
+    if (
+        len(tangent_fans) < len(fans)
+        or len({fan.degree for fan in tangent_fans}) > 1
+        or any(map(_is_touched, tangent_fans))
+    ):
         return None
-    return turn_growth(known)
+    return turn_growth(tangent_fans)
 
 
 def _is_touched(fan: TangentFan) -> bool:
@@ -450,11 +454,11 @@ def _common_cones(fans: Sequence[TangentFan]) -> Iterator[tuple[TangentCone, ...
     """Cones on which every member has one field, counterclockwise: one cone for each member."""
     rays: list[Point] = []
     for fan in fans:
-        rays += [c.start for c in fan.cones if not any(same_direction(c.start, known) for known in rays)]
+        rays += [c.start for c in fan.cones if not any(same_direction(c.start, ray) for ray in rays)]
     for start, end in around(sorted(rays, key=by_angle)):
         inner = Wedge(start, end).inner
-        known = (next(cone for cone in fan.cones if cone.holds(inner)) for fan in fans)
-        yield tuple(replace(cone, start=start, end=end) for cone in known)
+        cones = (next(cone for cone in fan.cones if cone.holds(inner)) for fan in fans)
+        yield tuple(replace(cone, start=start, end=end) for cone in cones)
 
 
 def _sense(cone: TangentCone) -> int:
@@ -544,10 +548,10 @@ def fused_focus(system: SwitchedSystem, frame: Frame) -> FusedFocus | None:
     if fan is None or not _only_switches_on_second_axis(fan):
         return None
     sides = [_side(fan, s) for s in (1, -1)]
-    kept = [side for side in sides if side is not None]
-    if len(kept) < len(sides) or kept[0][0] != kept[1][0]:
+    valid_sides = [side for side in sides if side is not None]
+    if len(valid_sides) < len(sides) or valid_sides[0][0] != valid_sides[1][0]:
         return None
-    return FusedFocus((kept[0][1] + kept[1][1]) * 2 / 3)
+    return FusedFocus((valid_sides[0][1] + valid_sides[1][1]) * 2 / 3)
 
 
 def _only_switches_on_second_axis(fan: TangentFan) -> bool:

@@ -137,9 +137,9 @@ def find_lyapunov(system: SwitchedSystem, *, grows: bool = False, is_linear: boo
         is_linear: whether the linear parts of the fields decide what solutions near the point do.
     """
     whole = in_time(plane_cells(system), grows=grows) if is_linear else ()
-    found = _on_cones(system, whole, grows=grows) if is_linear and are_cones(whole) else None
-    if found is not None:
-        return found
+    function = _on_cones(system, whole, grows=grows) if is_linear and are_cones(whole) else None
+    if function is not None:
+        return function
     curved = has_curves(system) or system.only_encloses  # polynomials of high degree, as slow to audit as curves
     work = WORK // 2 if curved else WORK
     for scale in SCALES[:2] if curved else SCALES:
@@ -157,8 +157,8 @@ def find_lyapunov(system: SwitchedSystem, *, grows: bool = False, is_linear: boo
 def _on_cones(system: SwitchedSystem, cells: Sequence[FieldCell], *, grows: bool) -> PlaneFunction | None:
     """A piecewise quadratic V on the plane, of cones with linear fields; None where none is found and proved."""
     program = _Program(system, cells, system.check.radius, WorkMeter(WORK_ON_CONES), grows, conic=True)
-    found = program.on_cones()
-    return None if found is None else PlaneFunction(found[1], Domain(None), found[0], system.states, grows)
+    solution = program.on_cones()
+    return None if solution is None else PlaneFunction(solution[1], Domain(None), solution[0], system.states, grows)
 
 
 def _proposed(program: _Program, *, is_linear: bool) -> Iterator[tuple[PiecewiseExpression, LyapunovResult] | None]:
@@ -188,21 +188,21 @@ def _falls(
     return (formula, result) if result.verdict is Decrease.STRICT else None
 
 
-def _enlarged(system: SwitchedSystem, found: PlaneFunction) -> PlaneFunction:
+def _enlarged(system: SwitchedSystem, function: PlaneFunction) -> PlaneFunction:
     """The same V on the largest square, up to the checked one, on which bisection proves that it falls."""
     high, budget = system.check.radius, WorkMeter(ENLARGING_WORK)
     for _ in range(BISECTIONS):
-        low = found.domain.radius
+        low = function.domain.radius
         if low is None or not low < high or budget.left <= 0:
             break
         radius = (low + high) / 2
-        cells = searched_cells(system, found.formula, radius, grows=found.grows)
+        cells = searched_cells(system, function.formula, radius, grows=function.grows)
         result = examine(cells) if len(cells) <= MAX_CELLS and not first_failure(cells, budget) else None
         if result is not None and result.verdict is Decrease.STRICT:
-            found = replace(found, result=result, on=Domain(radius))
+            function = replace(function, result=result, on=Domain(radius))
         else:
             high = radius
-    return found
+    return function
 
 
 @dataclass
@@ -227,18 +227,18 @@ class _Program:
         The simple ones are all where curves cut the plane.
         """
         try:
-            known = stated_cells(self.rational, self.radius).cells
+            cells = stated_cells(self.rational, self.radius).cells
         except (BeyondReachError, NoCertificateError):
             return []
-        found = list(families(known, all_lines=True))
+        bases = list(families(cells, all_lines=True))
         if self.system.others and not self.system.only_encloses:  # what encloses one field needs no more than that
-            found[1:1] = [monomials(known.states, degree) for degree in (4, 6, 8, 10)]
-        curves = tuple(bent(own) for own in known.surfaces if own.degree > 1 and _has_tangent(own))
+            bases[1:1] = [monomials(cells.states, degree) for degree in (4, 6, 8, 10)]
+        curves = tuple(bent(surface) for surface in cells.surfaces if surface.degree > 1 and _has_tangent(surface))
         if curves:  # relays on them need what bends; alone it is zero there
-            return [(*curves, *found[:2][-1]), found[0]]
+            return [(*curves, *bases[:2][-1]), bases[0]]
         # On the lines on which bounds of norms bend the stated field does not.
         is_short = has_curves(self.system) or Enclosed.NORMS in self.system.rewriting.encloses
-        return found[:2] if is_short else found
+        return bases[:2] if is_short else bases
 
     def further_lines(self) -> Iterator[list[Polynomial]]:
         """Lines through the point on which V may bend: the tangents of surfaces, then with others between them."""
@@ -275,17 +275,17 @@ class _Program:
         for fastest, basis, conditions in reversed(best):
             for decay in dict.fromkeys(share * fastest for share in KEPT_DECAYS):
                 with suppress(ExpressionError, SceneError):
-                    found = self._rounds(basis, conditions, decay)
-                    if found is not None:
-                        return found
+                    solution = self._rounds(basis, conditions, decay)
+                    if solution is not None:
+                        return solution
         return None
 
     @BEYOND_FLOATS
     def _fastest_decay(self, conditions: Functions) -> float | None:
         """As floats see it; 0 of a V that is to grow, and None where there is no V."""
-        size = max(float(np.linalg.norm(float_slopes(own))) for cell in self.cells for own in cell.velocities)
+        size = max(float(np.linalg.norm(float_slopes(velocity))) for cell in self.cells for velocity in cell.velocities)
         slopes, heights = rates_and_values(conditions, self._regular_points)
-        decays = [*([] if self.grows else [size * own for own in DECAYS]), 0.0]
+        decays = [*([] if self.grows else [size * decay for decay in DECAYS]), 0.0]
 
         def is_possible(decay: float) -> bool:
             rows = np.vstack([self._side * distinct(slopes + decay * heights), distinct(heights)])
@@ -295,7 +295,9 @@ class _Program:
 
     def _conditions(self, basis: Sequence[PiecewiseFunction], lines: Sequence[Polynomial]) -> Functions:
         stated = stated_cells(self.rational, self.radius, lines, irrational=bool(lines))
-        texts = [formula_in_names(parse_piecewise(own.text, self.system.states), self.rational) for own in basis]
+        texts = [
+            formula_in_names(parse_piecewise(function.text, self.system.states), self.rational) for function in basis
+        ]
         return functions_on(self.rational, stated, texts)
 
     def _rounds(
@@ -366,7 +368,9 @@ def regular_points(place: Face, divisions: int = DIVISIONS, distances: int = DIS
     grid = np.array(list(product(np.linspace(-1.0, 1.0, 2 * divisions + 1), repeat=place.dimension)))
     around = grid if place.dimension == 1 else grid[np.abs(grid).max(axis=1, initial=0.0) == 1]
     points = np.vstack([around * SHRINKING**k for k in range(distances)])
-    beside = [moved_to(place.restricted(own), points) for own in place.inclusion.surfaces.listed if own.degree > 1]
+    beside = [
+        moved_to(place.restricted(surface), points) for surface in place.inclusion.surfaces.listed if surface.degree > 1
+    ]
     return np.vstack([with_projected(place, points), *beside])
 
 
@@ -397,7 +401,9 @@ def propose(rows: Floats, least: float = LEAST_MARGIN) -> Iterator[Coefficients]
     seen: list[Coefficients] = []
     for chosen in (*(_pruned(rows, widest, share) for share in NEGLIGIBLE), widest):
         proposed = () if chosen is None else roundings(chosen, DENOMINATORS)
-        rounded = next((own for own in proposed if np.all(rows @ np.array(own, dtype=float) > 0)), None)
+        rounded = next(
+            (coefficients for coefficients in proposed if np.all(rows @ np.array(coefficients, dtype=float) > 0)), None
+        )
         if rounded is not None and rounded not in seen:
             seen.append(rounded)
             yield rounded
@@ -406,28 +412,28 @@ def propose(rows: Floats, least: float = LEAST_MARGIN) -> Iterator[Coefficients]
 def _pruned(rows: Floats, coefficients: Floats, share: float) -> Floats | None:
     """The best coefficients without the small ones, again and again; None where none are left that serve."""
     while True:
-        kept = np.flatnonzero(np.abs(coefficients) >= share * np.abs(coefficients).max())
-        if len(kept) == np.count_nonzero(coefficients):
+        indices = np.flatnonzero(np.abs(coefficients) >= share * np.abs(coefficients).max())
+        if len(indices) == np.count_nonzero(coefficients):
             return coefficients
-        found = _kept_margin(rows, kept.tolist())
-        if found is None:
+        pruned = _kept_margin(rows, indices.tolist())
+        if pruned is None:
             return None
-        coefficients = found
+        coefficients = pruned
 
 
-def _kept_margin(rows: Floats, kept: Sequence[int], least: float = LEAST_MARGIN) -> Floats | None:
+def _kept_margin(rows: Floats, indices: Sequence[int], least: float = LEAST_MARGIN) -> Floats | None:
     """The coefficients of the functions that are kept, zero for the others; None without a margin, or beyond floats.
 
     Rows are scaled anew, because what is left out no longer counts for their size.
     """
-    used = normalized(rows[:, kept])
+    used = normalized(rows[:, indices])
     if len(used) < len(rows) or not len(rows):
         return None  # where all functions vanish, so does V or its derivative
-    found = largest_margin(used) if are_finite(used) else None
-    if found is None or not found[-1] > least:
+    solution = largest_margin(used) if are_finite(used) else None
+    if solution is None or not solution[-1] > least:
         return None
     coefficients = np.zeros(rows.shape[1])
-    coefficients[list(kept)] = found[:-1]
+    coefficients[list(indices)] = solution[:-1]
     return coefficients
 
 

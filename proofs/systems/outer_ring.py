@@ -71,9 +71,9 @@ def find_outer_ring(system: System, surfaces: Sequence[str], border: Floats, pac
     field = FloatField.of(system, surfaces)
     best: Record | None = None
     rings = [wider * border for wider in WIDER]
-    for own in (turn * pace.angle for turn in TURNS):
+    for angle in (turn * pace.angle for turn in TURNS):
         for ring in rings:
-            inward = Pace(-own, min(pace.gap, SLENDER * own), pace.move)
+            inward = Pace(-angle, min(pace.gap, SLENDER * angle), pace.move)
             taken, nearer = _shrunk(field, ring, border, inward, min(steps, STEPS))
             steps -= taken
             hypotheses = None if nearer is None else shown_polygon(system, surfaces, field, nearer)
@@ -95,19 +95,19 @@ def find_traps(system: System, surfaces: Sequence[str], border: Floats, pace: Pa
         pace: of rings.
         steps: of the rings about one place, at most.
     """
-    field, found = FloatField.of(system, surfaces), list[Beside]()
+    field, traps = FloatField.of(system, surfaces), list[Beside]()
     for place, slope in other_rests(field, AROUND * max_norm(border))[:MOST_TRAPS]:
-        moved = (ring_of(known) + place - other for other, known in found)  # fields may repeat themselves
-        own = next(filter(None, (shown_polygon(system, surfaces, field, ring) for ring in moved)), None)
-        own = own or _grown_about(system, surfaces, place, slope, pace, steps)
-        found += [(place, own)] if own is not None else []
-    return found
+        moved = (ring_of(polygon) + place - other for other, polygon in traps)  # fields may repeat themselves
+        polygon = next(filter(None, (shown_polygon(system, surfaces, field, ring) for ring in moved)), None)
+        polygon = polygon or _grown_about(system, surfaces, place, slope, pace, steps)
+        traps += [(place, polygon)] if polygon is not None else []
+    return traps
 
 
 def other_rests(field: FloatField, half: float) -> list[tuple[Floats, Floats]]:
     """Places in a square at which velocities vanish and nearby ones lead to them, with their slopes, in floats."""
-    found = places_of_rest(field, half)
-    return [(place, slope) for place, slope in found if (np.linalg.eigvals(slope).real < 0).all()]
+    rests = places_of_rest(field, half)
+    return [(place, slope) for place, slope in rests if (np.linalg.eigvals(slope).real < 0).all()]
 
 
 def places_of_rest(field: FloatField, half: float) -> list[tuple[Floats, Floats]]:
@@ -118,20 +118,22 @@ def places_of_rest(field: FloatField, half: float) -> list[tuple[Floats, Floats]
     for _ in range(NEWTON):
         with np.errstate(all="ignore"):
             slopes, velocities = _slopes(field, x, width), field.at(x)[0]
-        known = np.isfinite(slopes).all(axis=(1, 2)) & finite_rows(velocities)
-        x = x[known] - np.einsum("kij,kj->ki", np.linalg.pinv(slopes[known]), velocities[known])
+        finite = np.isfinite(slopes).all(axis=(1, 2)) & finite_rows(velocities)
+        x = x[finite] - np.einsum("kij,kj->ki", np.linalg.pinv(slopes[finite]), velocities[finite])
         x = x[max_norms(x) < 4 * half]
         if not len(x):
             return []
     settled = row_norms(field.at(x)[0]) < SETTLED * half
     x = np.round(x[settled] / width) * width + 0.0
     sizes = row_norms(x)
-    found: list[tuple[Floats, Floats]] = []
+    rests: list[tuple[Floats, Floats]] = []
     for place in x[np.argsort(sizes, kind="stable")]:
-        apart = all(np.linalg.norm(place - other) > NEAR * half for other in (np.zeros(2), *(own for own, _ in found)))
+        apart = all(
+            np.linalg.norm(place - other) > NEAR * half for other in (np.zeros(2), *(rest for rest, _ in rests))
+        )
         if apart and max_norm(place) < half:
-            found.append((place, _slopes(field, place[None], width)[0]))
-    return found
+            rests.append((place, _slopes(field, place[None], width)[0]))
+    return rests
 
 
 def _slopes(field: FloatField, x: Floats, width: float) -> Floats:
@@ -144,7 +146,7 @@ def _grown_about(
     system: System, surfaces: Sequence[str], place: Floats, slope: Floats, pace: Pace, steps: int
 ) -> Record | None:
     """A polygon about a place of rest, as large as is shown; None where none is."""
-    away = [Fraction(round(own * 2**BITS), 2**BITS) for own in place.tolist()]
+    away = [Fraction(round(coordinate * 2**BITS), 2**BITS) for coordinate in place.tolist()]
     middle, distance = np.array(away, dtype=float), float(np.linalg.norm(place))
     moved = replace(system, at=tuple(map(add, system.at, away)))
     field = FloatField.of(moved, _moved(system, surfaces, away))
@@ -159,8 +161,8 @@ def _grown_about(
         return None
     most = min(MOST_POINTS, POINTS_A_STEP * steps)
     angle = min(COARSER * pace.angle, LESS * float(np.arcsin(sines(field, first[::-1]).min())))
-    own = Pace(angle, min(COARSER * pace.gap, SLENDER * angle), pace.move)
-    rings = list(grow(field, first, own, FARTHEST * distance, most, steps * pace.move, lambda done, total: None))
+    outward = Pace(angle, min(COARSER * pace.gap, SLENDER * angle), pace.move)
+    rings = list(grow(field, first, outward, FARTHEST * distance, most, steps * pace.move, lambda done, total: None))
     return next(filter(None, map(shown, rings[:: -max(1, len(rings) // LOOKS)])), None)
 
 
@@ -172,9 +174,9 @@ def _small_ring(slope: Floats) -> Floats:
 
 def _moved(system: System, surfaces: Sequence[str], away: Sequence[Fraction]) -> list[str]:
     """The surfaces in the displacement from another place."""
-    moved = {name: f"({name} + ({own}))" for name, own in zip(system.states, away, strict=True)}
+    moved = {name: f"({name} + ({offset}))" for name, offset in zip(system.states, away, strict=True)}
     names = re.compile(rf"\b({'|'.join(moved)})\b")
-    return [names.sub(lambda own: moved[own[0]], surface) for surface in surfaces]
+    return [names.sub(lambda match: moved[match[0]], surface) for surface in surfaces]
 
 
 def shown_polygon(system: System, surfaces: Sequence[str], field: FloatField, ring: Floats) -> Record | None:
@@ -190,8 +192,8 @@ def shown_polygon(system: System, surfaces: Sequence[str], field: FloatField, ri
         return None
     size = spread(ring)
     coarser = (_with_fewer_corners(field, ring, part * size) for part in LONGEST)
-    listed = (on_lattice(own, surfaces) for own in chain(coarser, [ring]))
-    return next((own for own in listed if is_shown(system, own)), None)
+    listed = (on_lattice(polygon, surfaces) for polygon in chain(coarser, [ring]))
+    return next((hypotheses for hypotheses in listed if is_shown(system, hypotheses)), None)
 
 
 def _with_fewer_corners(field: FloatField, ring: Floats, longest: float) -> Floats:
@@ -248,5 +250,5 @@ def on_lattice(ring: Floats, surfaces: Sequence[str]) -> Record:
 
 def ring_of(hypotheses: Record) -> Floats:
     """The corners of a polygon in floats: shape (corners, 2)."""
-    places = np.array([own.split(" ") for own in hypotheses["corners"]], dtype=float)
+    places = np.array([corner.split(" ") for corner in hypotheses["corners"]], dtype=float)
     return places * float(Fraction(hypotheses["unit"]))

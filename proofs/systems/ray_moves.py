@@ -48,8 +48,8 @@ from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, si
 def decide_equilibrium(cells: Sequence[FieldCell]) -> Equilibrium:
     """Whether 0 is in F at the origin; undecided where that hangs on a cell of which it is not known if it counts."""
     by_adherence = [(adherence(cell.region), cell) for cell in cells]
-    sure = [cell for found, cell in by_adherence if found is Adherence.YES]
-    possible = [cell for found, cell in by_adherence if found is not Adherence.NO]
+    sure = [cell for status, cell in by_adherence if status is Adherence.YES]
+    possible = [cell for status, cell in by_adherence if status is not Adherence.NO]
     if hull_holds_zero(values_at_origin(sure)):
         return Equilibrium.HOLDS
     return Equilibrium.UNDECIDED if hull_holds_zero(values_at_origin(possible)) else Equilibrium.FAILS
@@ -283,7 +283,7 @@ class TangentFan:
     @property
     def is_exact(self) -> bool:
         """Whether there are no terms of higher order: cones with homogeneous fields."""
-        straight = all(s.is_homogeneous for found in self.surfaces for s in found)
+        straight = all(s.is_homogeneous for surfaces in self.surfaces for s in surfaces)
         return straight and all(cone.field == cone.leading for cone in self.cones)
 
 
@@ -348,8 +348,8 @@ def _fan(system: SwitchedSystem, weights: Weights, frame: Frame) -> TangentFan |
 def _touching(pieces: Sequence[ConePiece], k: int) -> tuple[Polynomial, ...]:
     """The surfaces that touch the first ray of a cone, on the side that sees more (quadrants may have their own)."""
     ray = pieces[k].start
-    before, own = ([s for s in p.surfaces if not lowest_form(s)(ray)] for p in (pieces[k - 1], pieces[k]))
-    return tuple(before if len(before) > len(own) else own)
+    before, after = ([s for s in p.surfaces if not lowest_form(s)(ray)] for p in (pieces[k - 1], pieces[k]))
+    return tuple(before if len(before) > len(after) else after)
 
 
 def _chart(system: SwitchedSystem, weights: Weights, frame: Frame, signs: tuple[int, int]) -> tuple[Polynomial, ...]:
@@ -373,7 +373,7 @@ def _axes(system: SwitchedSystem, signs: tuple[int, int]) -> tuple[Point, Point]
 
 def _rays(system: SwitchedSystem, surfaces: Sequence[Polynomial], signs: tuple[int, int]) -> list[Point] | None:
     """The tangents of all surfaces inside a quadrant, counterclockwise; None where one has no name."""
-    found: list[Point] = []
+    rays: list[Point] = []
     for surface in surfaces:
         lines = form_lines(lowest_form(surface))
         if lines is None:
@@ -382,9 +382,9 @@ def _rays(system: SwitchedSystem, surfaces: Sequence[Polynomial], signs: tuple[i
             a, b = line.slope(0), line.slope(1)
             for ray in ((b, -a), (-b, a)):
                 inside = sign(ray[0]) == signs[0] and sign(ray[1]) == signs[1]
-                if inside and not any(not cross(ray, known) for known in found):
-                    found.append(ray)
-    return sorted(found, key=by_angle)
+                if inside and not any(not cross(ray, other) for other in rays):
+                    rays.append(ray)
+    return sorted(rays, key=by_angle)
 
 
 def _field(

@@ -58,10 +58,10 @@ def line_reach(scene: SwitchedSystem, half: Fraction) -> Reach:
     everywhere = Reach(everywhere=entry is not None, global_entry=entry)
     if scene.rewriting.scale is not None or scene.by_roots is not None:
         return everywhere
-    known = rational_subject(scene)
-    if known is None:
+    pair = rational_subject(scene)
+    if pair is None:
         return everywhere
-    (system, subject), search = known, Search()
+    (system, subject), search = pair, Search()
     on, order = [(Domain(None), FAR * half)] if entry is not None else [], _order(scene)
     for (domain, farthest), decay in product((*on, (Domain(scene.field(half)), half)), DecayKind):
         power = max(order - 1, 1) if decay is DecayKind.ALGEBRAIC else 1
@@ -146,7 +146,7 @@ class LinePoint(CheckedPoint):
         """
         for formula in system.rewriting.denominators:
             ends = system.between_norms(formula)
-            if not all(_is_positive(system, own, turn) for own in ends for turn in (1, -1)):
+            if not all(_is_positive(system, end, turn) for end in ends for turn in (1, -1)):
                 expected = "a denominator that does not vanish on the checked interval (a smaller check.radius?)"
                 raise SceneError(system.origin, "system.rhs", expected, system.rewriting.stated_text(formula))
         self.system = system
@@ -161,7 +161,7 @@ class LinePoint(CheckedPoint):
         """Whether 0 is in F."""
         return _equilibrium(self.sides.right, self.sides.left)
 
-    def reach(self, found: Finding) -> Reach:
+    def reach(self, finding: Finding) -> Reach:
         """Whether every start comes to the point, and how fast."""
         right, left = self.sides.right.reach, self.sides.left.reach
         if right is None or left is None:
@@ -262,7 +262,7 @@ def _order(scene: SwitchedSystem) -> int:
     """q, where the slowest solutions near the point come like ``s' = -s^q``."""
     near = _sign_at(within(clear_distance(scene)) / 2)
     fields = [_outward(member, turn, near) for turn in (1, -1) for member in scene.members]
-    return max(min((sum(exponents) for exponents in own.terms), default=0) for own in fields)
+    return max(min((sum(exponents) for exponents in field.terms), default=0) for field in fields)
 
 
 def slowest(scene: SwitchedSystem, farthest: Fraction, decay: DecayKind, m: int) -> Fraction:
@@ -324,10 +324,10 @@ def _value(polynomial: Polynomial, place: Number | Fraction) -> Number:
 def _is_positive(scene: SwitchedSystem, formula: PiecewiseExpression, turn: int) -> bool:
     """Whether a denominator is positive from the point to the end of the checked interval."""
     blank = (formula,)
-    asked = SwitchedSystem(scene.name, scene.field, scene.states, blank, scene.check, scene.source)
-    marks = _marks(asked, turn)
+    system = SwitchedSystem(scene.name, scene.field, scene.states, blank, scene.check, scene.source)
+    marks = _marks(system, turn)
     ends: list[Number | Fraction] = [scene.check.radius, Fraction(0), *(m.low for m in marks), *(m.high for m in marks)]
-    pieces = [(place, asked.velocity(_sign_at_or_one(place), [_distance(asked, turn)])[0]) for place in ends]
+    pieces = [(place, system.velocity(_sign_at_or_one(place), [_distance(system, turn)])[0]) for place in ends]
     return all(_value(p, place).sign() > 0 for place, p in pieces) and not any(
         not m.sign_of(dense(p)) for m in marks for _, p in pieces
     )
@@ -339,9 +339,9 @@ def _sign_at_or_one(place: Number | Fraction) -> SignOf:
 
 def within(reach: Number | Fraction) -> Fraction:
     """A rational distance: the same, or where it has roots one a little smaller."""
-    known = reach if isinstance(reach, Fraction) else reach.as_rational()
-    if known is not None:
-        return Fraction(int(known.numerator), int(known.denominator))
+    rational_distance = reach if isinstance(reach, Fraction) else reach.as_rational()
+    if rational_distance is not None:
+        return Fraction(int(rational_distance.numerator), int(rational_distance.denominator))
     unit = Fraction(1)
     while not reach > unit * FINE:
         unit /= 2

@@ -129,7 +129,7 @@ class PlanePoint(CheckedPoint):
         near = conic_germ(self.cells)
         if near is None or self.system.others or self.leading is None or self.leading.weights != UNWEIGHTED:
             return False
-        return not any(part.at_origin for cell in near for own in cell.velocities for part in own)
+        return not any(part.at_origin for cell in near for velocity in cell.velocities for part in velocity)
 
     @cached_property
     def _domains(self) -> list[Domain]:
@@ -154,8 +154,8 @@ class PlanePoint(CheckedPoint):
 
     def attraction(self, function: PlaneFunction) -> Record | None:
         """LaSalle's principle with its evidence, of a V that does not increase; searched once for each."""
-        for asked, entry in self._attractions:
-            if asked is function:
+        for other, entry in self._attractions:
+            if other is function:
                 return entry
         radius = function.domain.radius or self.system.check.radius
         entry = attraction(self.system, function.formula, radius, function.result.cells)
@@ -179,9 +179,9 @@ class PlanePoint(CheckedPoint):
         within = (_keeps_sign(member, axis, radius) for member in _unscaled(system) for axis in _axes(system))
         return self.is_covered and all(within)
 
-    def reach(self, found: Finding) -> Reach:
+    def reach(self, finding: Finding) -> Reach:
         """Whether every start of the plane comes to the point, and those near it in time."""
-        if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
+        if finding.verdict is not Translation.ASYMPTOTICALLY_STABLE:
             return Reach()
         everywhere = self.is_covered_within(None) and holds_everywhere(self.cells)
         return Reach(everywhere=everywhere, in_finite_time=arrives_in_time(self.system, self.cells))
@@ -225,10 +225,10 @@ def decide_by_stated_function(point: PlanePoint) -> Finding | None:
     """The best of the scene's V on its domains: a strict one at once, the first weak one otherwise."""
     weak = None
     for function in point.all_given():
-        found = conclude_function(point, function)
-        if found is not None and found.is_final:
-            return found
-        weak = weak or found
+        finding = conclude_function(point, function)
+        if finding is not None and finding.is_final:
+            return finding
+        weak = weak or finding
     return weak
 
 
@@ -248,12 +248,12 @@ def search_function(point: PlanePoint) -> Finding | None:
     if leading is not None and leading.verdict is Translation.UNSTABLE:
         cones = are_cones(point.cells) and not system.others
         spirals = leading.growth is not None and cones and may_grow
-        found = find_lyapunov(system, grows=True, is_linear=is_linear) if spirals else None
+        function = find_lyapunov(system, grows=True, is_linear=is_linear) if spirals else None
     else:
-        found = find_lyapunov(system, is_linear=is_linear)
-        if found is None and may_grow and fan is None and leading is None:
-            found = find_lyapunov(system, grows=True)
-    return None if found is None else conclude_function(point, found)
+        function = find_lyapunov(system, is_linear=is_linear)
+        if function is None and may_grow and fan is None and leading is None:
+            function = find_lyapunov(system, grows=True)
+    return None if function is None else conclude_function(point, function)
 
 
 def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | None:
@@ -340,8 +340,8 @@ def has_rooted_axis(system: SwitchedSystem) -> bool:
 
 
 def _rooted_places(system: SwitchedSystem) -> list[int]:
-    known = system.by_roots
-    return [] if known is None else [known.roots.states.index(name) for name in known.roots.rooted]
+    by_roots = system.by_roots
+    return [] if by_roots is None else [by_roots.roots.states.index(name) for name in by_roots.roots.rooted]
 
 
 def _axes(system: SwitchedSystem) -> list[int]:
@@ -372,10 +372,10 @@ def _speeds(member: SwitchedSystem, axis: int, half: int) -> Iterator[tuple[list
     """On both sides of a half axis what decides the signs there, and the speed across it, along the half axis."""
     values = member.displaced(member.states)
     for side in (1, -1):
-        known = {s: _beside(s, axis, half, side) for s in member.surfaces(values)}
-        signs = {s: germ_sign(germ) for s, germ in known.items()}
+        germs = {s: _beside(s, axis, half, side) for s in member.surfaces(values)}
+        signs = {s: germ_sign(germ) for s, germ in germs.items()}
         speed = member.velocity(signs_by_factors(signs), values)[axis]
-        yield list(known.values()), _on_axis(speed, axis, half, 0)
+        yield list(germs.values()), _on_axis(speed, axis, half, 0)
 
 
 def _beside(surface: Polynomial, axis: int, half: int, side: int) -> Polynomial:

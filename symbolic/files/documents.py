@@ -181,10 +181,10 @@ def _wanted(file: str) -> str:
 def _overridden(data: dict[str, Any], changes: Mapping[str, Mapping[str, object]]) -> dict[str, Any]:
     """The document with the command line's values in their places, to be validated like the file's own."""
     for name, values in changes.items():
-        given = {key: value for key, value in values.items() if value is not None}
+        overrides = {key: value for key, value in values.items() if value is not None}
         section = data.get(name, {})
-        if given and isinstance(section, dict):
-            data = {**data, name: {**section, **given}}
+        if overrides and isinstance(section, dict):
+            data = {**data, name: {**section, **overrides}}
     return data
 
 
@@ -216,8 +216,8 @@ def read_text(path: Path, limit: int, file: str, key: str, wanted: str) -> str:
             raise SceneError(file, key, f"a file of at most {limit >> 20} MB", StatedFact("more"))
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        found = StatedFact(f"other bytes at position {error.start}")
-        raise SceneError(file, key, "a text file in UTF-8", found) from None
+        received = StatedFact(f"other bytes at position {error.start}")
+        raise SceneError(file, key, "a text file in UTF-8", received) from None
     except OSError as error:
         raise SceneError(file, key, "a readable file", StatedFact(error.strerror or "an error")) from None
 

@@ -48,24 +48,24 @@ def find_path(text: str, document: Mapping[str, Any], file: str) -> Path:
     Raises:
         SceneError: for a path that names no number of this scene; the message lists near ones.
     """
-    known = {path_text(path, document): path for path in numeric_paths(document)}
+    paths = {path_text(path, document): path for path in numeric_paths(document)}
     names = {str(wheel.get("name")): number for number, wheel in enumerate(document.get("wheel", ()), 1)}
     table, _, rest = text.partition(".")
     name, _, key = rest.partition(".")
-    if text not in known and table == "wheel" and name in names:
+    if text not in paths and table == "wheel" and name in names:
         text = f"wheel.{names[name]}.{key}"
-    if text in known:
-        return known[text]
+    if text in paths:
+        return paths[text]
     alone = {
         name: ".".join(name.split(".")[2 if path[:2] == PARAMETERS else 1 :])
-        for name, path in known.items()
+        for name, path in paths.items()
         if not isinstance(path[1], int) and path[0] not in NEVER_ALONE
     }
     ends = [name for name, key in alone.items() if key == text]
     if len(ends) == 1:
-        return known[ends[0]]
-    near = ends or get_close_matches(text[:MAX_SHOWN], [*known, *alone.values()], MATCHES, LIKENESS)
-    near = list(dict.fromkeys(near)) or list(known)[:LISTED]
+        return paths[ends[0]]
+    near = ends or get_close_matches(text[:MAX_SHOWN], [*paths, *alone.values()], MATCHES, LIKENESS)
+    near = list(dict.fromkeys(near)) or list(paths)[:LISTED]
     raise SceneError(file, "", f"the key path of a number, such as {' or '.join(near)}", text)
 
 
@@ -146,13 +146,13 @@ def _states_of(document: Mapping[str, Any]) -> list[Any]:
 # ---- which numbers there are ---------------------------------------------------------------------
 
 
-def _of_table(tables: Sequence[type[TomlTable]], given: object, path: Path) -> Iterator[Path]:
+def _of_table(tables: Sequence[type[TomlTable]], values: object, path: Path) -> Iterator[Path]:
     """The numbers of one table; of several kinds, of the one that it names."""
-    if not isinstance(given, Mapping):
+    if not isinstance(values, Mapping):
         return
-    table = _of_kind(tables, given)
+    table = _of_kind(tables, values)
     for key, field in table.model_fields.items():
-        place, value = (*path, key), given.get(key)
+        place, value = (*path, key), values.get(key)
         if isinstance(value, list | Mapping):
             yield from _inside(value, place)
             if key == DIRECTION:  # an angle may stand in place of its two entries
@@ -163,10 +163,10 @@ def _of_table(tables: Sequence[type[TomlTable]], given: object, path: Path) -> I
             yield place
 
 
-def _of_kind(tables: Sequence[type[TomlTable]], given: Mapping[str, object]) -> type[TomlTable]:
+def _of_kind(tables: Sequence[type[TomlTable]], values: Mapping[str, object]) -> type[TomlTable]:
     """The table whose ``kind`` is the given one."""
     kinds = {table.model_fields["kind"].default: table for table in tables if "kind" in table.model_fields}
-    return kinds.get(given.get("kind"), tables[0])
+    return kinds.get(values.get("kind"), tables[0])
 
 
 def _inside(value: object, path: Path) -> Iterator[Path]:

@@ -287,8 +287,8 @@ class WheelTable(TomlTable):
     def place(self, numbers: Numbers, key: str) -> WheelPlace:
         """This wheel at its exact position."""
         x, y = (numbers(value, f"{key}.position") for value in self.position)
-        own = Own(self.heading, self.speed, self.mu_roll, self.mu_side, self.speed_limit, self.axis, self.contact)
-        return WheelPlace(key, (x, y), own, self.name)
+        settings = Own(self.heading, self.speed, self.mu_roll, self.mu_side, self.speed_limit, self.axis, self.contact)
+        return WheelPlace(key, (x, y), settings, self.name)
 
 
 class WheelList(NamedTuple):

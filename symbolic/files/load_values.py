@@ -85,10 +85,10 @@ def _of_kind(table: Mapping[str, object]) -> StatedLoads | None:
             raise ValueError('required kind = "any", "elastic" or "measured"')
 
 
-def _require_keys(table: Mapping[str, object], known: Sequence[str]) -> None:
-    unknown = [key for key in table if key not in ("kind", *known)]
+def _require_keys(table: Mapping[str, object], keys: Sequence[str]) -> None:
+    unknown = [key for key in table if key not in ("kind", *keys)]
     if unknown:
-        named = ", ".join(known) or "none"
+        named = ", ".join(keys) or "none"
         raise ValueError(f'required no key {unknown[0]!r} beside kind = "{table["kind"]}" (keys: {named})')
 
 

@@ -97,7 +97,7 @@ def read_right_hand_sides(
     for corner in corners(intervals):
         texts = {**values, **parameter_texts(corner, (), file)}
         here = [(key, tuple(with_parameters(f, texts) for f in formulas)) for key, formulas in stated.items()]
-        lists += [own for own in here if own not in lists]  # a list that none of the intervals changes counts once
+        lists += [side for side in here if side not in lists]  # a list that none of the intervals changes counts once
     clearing, with_names = _with_norms(lists, clearing, point, intervals, file)
     cleared, denominators, scale = _cleared(with_names, clearing, file)
     norms, between = clearing.norms, _between_norms(cleared, clearing, order)
@@ -107,8 +107,10 @@ def read_right_hand_sides(
         raise SceneError(file, "system.rhs", expected, StatedFact(f"{len(sides)}"))
     written = tuple(tuple(map(str, formulas)) for _, formulas in lists) if waves or scale or norms else ()
     named, names = _named(cleared[0][1], clearing, scale) if (waves or norms) and len(cleared) == 1 else ((), ())
-    held = _names_in(formula for _, side in cleared for formula in side)
-    bounded = frozenset(own.kind for own in norms if own.name in held and len(own.bounds(clearing.states)) > 1)
+    cleared_names = _names_in(formula for _, side in cleared for formula in side)
+    bounded = frozenset(
+        norm.kind for norm in norms if norm.name in cleared_names and len(norm.bounds(clearing.states)) > 1
+    )
     return RightHandSides(tuple(sides), written, tuple(waves), denominators, scale, named, names, norms, bounded)
 
 
@@ -119,9 +121,9 @@ def _named(formulas: Sequence[object], clearing: Clearing, scale: str) -> tuple[
         from nonsmooth.symbolic.formulas.unit_vectors import by_inverses
 
         formulas, roots = by_inverses(formulas, clearing.norms)
-        held = _names_in((*formulas, scale))
-        roots = tuple(own for own in roots if own.name in held)
-    named, waves = named_formulas(formulas, clearing.states | {own.name for own in roots})
+        names = _names_in((*formulas, scale))
+        roots = tuple(root for root in roots if root.name in names)
+    named, waves = named_formulas(formulas, clearing.states | {root.name for root in roots})
     return named, (*roots, *waves)
 
 
@@ -157,8 +159,8 @@ def _with_norms(
         named, norms = named_norms([side for _, side in lists], point, clearing.states | set(intervals))
     except ExpressionError as error:
         raise SceneError(file, "system.rhs", requirement(error), StatedFact(_received(error))) from None
-    found, entries = with_unit_entries(named, norms, clearing.states)
-    sides = [(key, tuple(side)) for (key, _), side in zip(lists, found, strict=True)]
+    with_entries, entries = with_unit_entries(named, norms, clearing.states)
+    sides = [(key, tuple(side)) for (key, _), side in zip(lists, with_entries, strict=True)]
     return replace(clearing, norms=(*norms, *entries)), sides
 
 
@@ -168,7 +170,11 @@ def _between_norms(lists: Sequence[Side], clearing: Clearing, order: int) -> lis
         return list(lists)
     from nonsmooth.symbolic.formulas.norms import at_ends
 
-    return [(key, tuple(own)) for key, side in lists for own in at_ends(side, clearing.norms, clearing.states, order)]
+    return [
+        (key, tuple(formulas))
+        for key, side in lists
+        for formulas in at_ends(side, clearing.norms, clearing.states, order)
+    ]
 
 
 def _cleared(lists: Sequence[Side], clearing: Clearing, file: str) -> tuple[list[Side], tuple[str, ...], str]:
@@ -193,8 +199,10 @@ def _affine(cleared: Cleared, clearing: Clearing) -> Cleared:
         return cleared
     from nonsmooth.symbolic.formulas.norms import affine_in_norms
 
-    formulas = tuple(affine_in_norms(own, clearing.norms) for own in cleared.formulas)
-    *denominators, scale = (str(affine_in_norms(own, clearing.norms)) for own in (*cleared.denominators, cleared.scale))
+    formulas = tuple(affine_in_norms(formula, clearing.norms) for formula in cleared.formulas)
+    *denominators, scale = (
+        str(affine_in_norms(text, clearing.norms)) for text in (*cleared.denominators, cleared.scale)
+    )
     return Cleared(formulas, tuple(denominators), scale)
 
 
@@ -220,13 +228,13 @@ def _enclosed(lists: Sequence[Side], states: Collection[str], file: str, order: 
     for key, formulas in lists:
         _require_arguments(formulas, states, file, key)
         try:
-            found, here = enclosing_formulas(formulas, order)
+            enclosing, here = enclosing_formulas(formulas, order)
         except ExpressionError as error:
             for j, formula in enumerate(formulas, 1):
                 if _is_refused(formula, order):
                     raise SceneError(file, f"{key}[{j}]", requirement(error), formula) from None
             raise SceneError(file, key, requirement(error), StatedFact(_received(error))) from None  # too many in all
-        sides += [(key, side) for side in found]
+        sides += [(key, side) for side in enclosing]
         waves += here
     return sides, waves
 
@@ -256,24 +264,24 @@ def float_point(states: Sequence[str], values: Sequence[Exact] | None) -> dict[s
     Raises:
         ExpressionError: for a number beyond floats.
     """
-    found = dict.fromkeys(states, 0.0)
+    point = dict.fromkeys(states, 0.0)
     for name, value in zip(states, values or (), strict=False):
         try:
-            found[name] = float(value) if isinstance(value, Fraction) else float_value(value.tree, {}, value.text)
+            point[name] = float(value) if isinstance(value, Fraction) else float_value(value.tree, {}, value.text)
         except OverflowError:
             raise ExpressionError("required numbers within the range of floats, received another") from None
-    return found
+    return point
 
 
 def rational_point(states: Sequence[str], values: Sequence[Exact] | None) -> dict[str, Fraction | None]:
     """The checked point, the origin unless given; None for what is not rational."""
-    found: dict[str, Fraction | None] = dict.fromkeys(states, Fraction(0))
+    point: dict[str, Fraction | None] = dict.fromkeys(states, Fraction(0))
     for name, value in zip(states, values or (), strict=False):
         try:
-            found[name] = _rational(value)
+            point[name] = _rational(value)
         except ExpressionError:
-            found[name] = None
-    return found
+            point[name] = None
+    return point
 
 
 # ---- parameters of intervals ---------------------------------------------------------------------
@@ -305,8 +313,8 @@ def split_intervals(parameters: Mapping[str, Any], file: str) -> tuple[dict[str,
 
 def intervals_in(formulas: Iterable[object], intervals: Mapping[str, Any]) -> dict[str, Any]:
     """Those that stand in formulas."""
-    found = {name for text in formulas for name in names_in(text)}
-    return {name: ends for name, ends in intervals.items() if name in found}
+    names = {name for text in formulas for name in names_in(text)}
+    return {name: ends for name, ends in intervals.items() if name in names}
 
 
 def _ends(value: list[Any], file: str, key: str) -> tuple[Any, Any]:
@@ -328,10 +336,10 @@ def _rational(number: Exact) -> Fraction:
     """
     if isinstance(number, Fraction):
         return number
-    known = None if any(number.turns()) else number.value(field_of([])).as_rational()
-    if known is None:
+    rational = None if any(number.turns()) else number.value(field_of([])).as_rational()
+    if rational is None:
         raise ExpressionError(f"required a rational number, received {number.text}")
-    return as_fraction(known)
+    return as_fraction(rational)
 
 
 def corners(intervals: Mapping[str, tuple[Any, Any]]) -> Iterator[dict[str, Any]]:

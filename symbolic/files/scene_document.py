@@ -95,18 +95,18 @@ def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Num
     """
     stated = BodyTable() if table is None else table
     named = {key: getattr(stated, key) for key in OF_INERTIA}
-    found = {key: _of_size(value, f"body.{key}", numbers) for key, value in named.items() if value is not None}
+    sizes = {key: _of_size(value, f"body.{key}", numbers) for key, value in named.items() if value is not None}
     if metres is None:
-        if found:
-            key = next(iter(found))
+        if sizes:
+            key = next(iter(sizes))
             raise SceneError(numbers.file, f"body.{key}", "units.length beside it", StatedFact("no unit of length"))
         return None
-    if "inertia" in found and "mass" not in found:
+    if "inertia" in sizes and "mass" not in sizes:
         raise SceneError(numbers.file, "body.inertia", "body.mass beside it: I/m counts", StatedFact("no mass"))
-    gravity = found["gravity"] if "gravity" in found else numbers.field.rational(STANDARD_GRAVITY / metres)
-    radius = found["inertia"] / found["mass"] if "inertia" in found else None
-    height, mass = found.get("centre_height"), found.get("mass")
-    return BodyInertia(gravity, radius, height, is_stated=bool(found), mass=mass)
+    gravity = sizes["gravity"] if "gravity" in sizes else numbers.field.rational(STANDARD_GRAVITY / metres)
+    radius = sizes["inertia"] / sizes["mass"] if "inertia" in sizes else None
+    height, mass = sizes.get("centre_height"), sizes.get("mass")
+    return BodyInertia(gravity, radius, height, is_stated=bool(sizes), mass=mass)
 
 
 def _of_size(value: Exact, key: str, numbers: Numbers) -> Number:
@@ -160,10 +160,10 @@ def _outline(table: BodyTable, numbers: Numbers) -> tuple[Footprint, Vector]:
     """The outline about its centroid, and the centroid in the frame of the file."""
     origin = numbers.field.zero, numbers.field.zero
     for key in ("radius", "width", "height", "vertices"):
-        wanted, given = key in _KEYS[table.shape or ""], getattr(table, key) is not None
-        if wanted != given:
+        wanted, is_stated = key in _KEYS[table.shape or ""], getattr(table, key) is not None
+        if wanted != is_stated:
             expected = f"{'a value' if wanted else 'no value'} for shape {table.shape}"
-            raise SceneError(numbers.file, f"body.{key}", expected, StatedFact("one" if given else "nothing"))
+            raise SceneError(numbers.file, f"body.{key}", expected, StatedFact("one" if is_stated else "nothing"))
     if table.radius is not None:
         return Disc(numbers.positive(table.radius, "body.radius")), origin
     if table.width is not None and table.height is not None:
@@ -348,14 +348,14 @@ def build_loop_errors(table: FeedbackTable, numbers: Numbers) -> LoopErrors:
     if not 0 <= turn < HALF_TURN:
         received = StatedFact(f"{decimal_text(numbers.field.rational(turn * 180), FLOAT_DIGITS)} deg")
         raise SceneError(numbers.file, "feedback.heading_error", "an angle of at least 0, below half a turn", received)
-    found = LoopErrors(
+    errors = LoopErrors(
         numbers.at_least_zero(table.delay, "feedback.delay"),
         numbers.at_least_zero(table.position_error, "feedback.position_error"),
         turn,
     )
-    if not (found.delay or found.position or found.heading):
+    if not (errors.delay or errors.position or errors.heading):
         raise SceneError(numbers.file, "feedback", "an entry that is not zero", StatedFact("none"))
-    return found
+    return errors
 
 
 # ---- tolerances ----------------------------------------------------------------------------------
@@ -385,7 +385,7 @@ def build_tolerance(table: ToleranceTable, numbers: Numbers) -> Tolerance:
     if not 0 <= turn < QUARTER:
         received = StatedFact(f"{decimal_text(numbers.field.rational(turn * 180), FLOAT_DIGITS)} deg")
         raise SceneError(numbers.file, "tolerance.heading", "an angle of at least 0, below a quarter turn", received)
-    found = Tolerance(
+    tolerance = Tolerance(
         position=numbers.at_least_zero(table.position, "tolerance.position"),
         heading=turn,
         speed=_share(table.speed, "speed", numbers),
@@ -393,9 +393,9 @@ def build_tolerance(table: ToleranceTable, numbers: Numbers) -> Tolerance:
         mu_side=_share(table.mu_side, "mu_side", numbers),
         centre_of_mass=numbers.at_least_zero(table.centre_of_mass, "tolerance.centre_of_mass"),
     )
-    if not found.names:
+    if not tolerance.names:
         raise SceneError(numbers.file, "tolerance", "an entry that is not zero", StatedFact("none"))
-    return found
+    return tolerance
 
 
 def _share(value: Exact, name: str, numbers: Numbers) -> Number:

@@ -149,11 +149,13 @@ def build_scene(
     )
 
 
-def _require_mixed(rule: str | None, found: str, file: str) -> None:
+def _require_mixed(rule: str | None, wheel_rule: str, file: str) -> None:
     """Refuse rule ``mixed`` of wheels that have one rule: it is what wheels of different rules make."""
-    if rule == MIXED != found:
+    if rule == MIXED != wheel_rule:
         mixing = " and ".join(sorted(BY_FRICTION_SET))
-        raise SceneError(file, "contact.rule", f"wheels of rules {mixing} for rule {MIXED}", StatedFact(f"all {found}"))
+        raise SceneError(
+            file, "contact.rule", f"wheels of rules {mixing} for rule {MIXED}", StatedFact(f"all {wheel_rule}")
+        )
 
 
 def _require_array(data: Mapping[str, Any], file: str) -> None:
@@ -195,8 +197,8 @@ def _layout(document: SceneDocument, file: str, table: Callable[[], str]) -> Lay
     names = ("wheel", "ring", "grid", "wheels")
     named = [name for name in names if getattr(document, name) is not None]
     if len(named) != 1:
-        key, found = " and ".join(named) or "wheel", StatedFact(f"{len(named)}" if named else "none")
-        raise SceneError(file, key, "one of [[wheel]], [ring], [grid], [wheels]", found)
+        key, received = " and ".join(named) or "wheel", StatedFact(f"{len(named)}" if named else "none")
+        raise SceneError(file, key, "one of [[wheel]], [ring], [grid], [wheels]", received)
     if document.wheels is not None:
         return parse_wheels(table(), document.wheels.file, file, document.units.angle)
     return document.ring or document.grid or WheelList(document.wheel or [])
@@ -271,8 +273,8 @@ def speed_hints(document: SceneDocument, wheels: Sequence[Wheel]) -> Iterator[st
 def angle_hints(turns: Iterable[Fraction], unit: AngleUnit | None) -> Iterator[str]:
     """Angles of more than a full turn where radians are stated: mostly degrees; ``turns`` are angles over pi."""
     if unit is AngleUnit.RADIAN and (largest := max(map(abs, turns), default=Fraction(0))) > 2:
-        said = f"an angle is {float(largest) * math.pi:.4g} rad, more than a full turn"
-        yield f'[units]: {said}: is angle = "{AngleUnit.DEGREE}" meant?'
+        words = f"an angle is {float(largest) * math.pi:.4g} rad, more than a full turn"
+        yield f'[units]: {words}: is angle = "{AngleUnit.DEGREE}" meant?'
 
 
 def _of_check(wheels: Sequence[Wheel], check: CheckedSquare, size: float, units: Units) -> Iterator[str]:
@@ -311,9 +313,9 @@ LAYOUTS = ("wheel", "ring", "grid", "wheels", "field")  # tables that the list o
 
 def one_by_one(document: Mapping[str, Any], scene: Scene) -> dict[str, Any]:
     """A document of the same array with a list of wheels, exact, in place of what laid them out."""
-    kept = {key: value for key, value in document.items() if key not in LAYOUTS}
+    rest = {key: value for key, value in document.items() if key not in LAYOUTS}
     unit = unit_of_speed(document, scene)
-    return {**kept, "wheel": [wheel_entry(wheel, scene, unit) for wheel in scene.wheels]}
+    return {**rest, "wheel": [wheel_entry(wheel, scene, unit) for wheel in scene.wheels]}
 
 
 def unit_of_speed(document: Mapping[str, Any], scene: Scene) -> Fraction:

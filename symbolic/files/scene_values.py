@@ -432,10 +432,10 @@ def _expected(model: type[TomlTable], detail: Any) -> str:
     if _lacks_kind(detail):
         kinds = (t.model_fields["kind"].default for t in tables_in(model.model_fields["field"].annotation))
         return f"one of {', '.join(kinds)}"
-    known = _EXPECTED.get(detail["type"])
-    if known is None:
+    template = _EXPECTED.get(detail["type"])
+    if template is None:
         return str(detail["msg"])
-    return known.format(**context) + is_meant(detail["input"], QUOTED.findall(context.get("expected", "")))
+    return template.format(**context) + is_meant(detail["input"], QUOTED.findall(context.get("expected", "")))
 
 
 def _keys(model: type[TomlTable], location: tuple[int | str, ...]) -> list[str]:

@@ -124,8 +124,8 @@ def with_roots(system: SwitchedSystem, orders: Sequence[int]) -> SwitchedSystem:
     document = validate(SystemDocument, {"name": system.name, "system": stated, "check": radius}, system.source)
     rooted = {name: order for name, order in zip(system.stated_states, orders, strict=True) if order > 1}
     roots = SignedRoots(system.stated_states, tuple(rooted), tuple(rooted.values()))
-    found = _seen_by_roots(document, roots, system.source, Path(system.name))
-    return replace(found, intervals=system.intervals, overlaps=system.overlaps)
+    rooted_system = _seen_by_roots(document, roots, system.source, Path(system.name))
+    return replace(rooted_system, intervals=system.intervals, overlaps=system.overlaps)
 
 
 def without_waves(system: SwitchedSystem) -> SwitchedSystem | None:
@@ -175,9 +175,9 @@ def _of_lists(system: SwitchedSystem, lists: Sequence[Sequence[str]], order: int
     point = {"equilibrium": list(map(str, check.equilibrium)), "radius": str(check.radius)}
     stated = {"states": list(system.states), "rhs": list(map(list, lists))}
     document = {"name": system.name, "system": stated, "check": {**point, **lyapunov}}
-    found = build_system(document, system.source, Path(system.name), order=order)
-    quotient = replace(found.check, quotient=check.quotient)
-    return replace(found, check=quotient, intervals=system.intervals, overlaps=system.overlaps)
+    rebuilt = build_system(document, system.source, Path(system.name), order=order)
+    quotient = replace(rebuilt.check, quotient=check.quotient)
+    return replace(rebuilt, check=quotient, intervals=system.intervals, overlaps=system.overlaps)
 
 
 def _plain_system(
@@ -195,7 +195,7 @@ def _plain_system(
     exact = rational_point(states, check.equilibrium)
     sides = read_right_hand_sides(stated, texts, intervals, clearing, file, point=exact, order=order)
     rhs, *others = (_parsed(side, states, file, key) for key, side in sides.sides)
-    with_norms = (*states, *(own.name for own in sides.norms))
+    with_norms = (*states, *(norm.name for norm in sides.norms))
     default = " + ".join(f"{name}**2" for name in states)
     chosen = default if check.lyapunov is None else with_parameters(check.lyapunov, texts)
     quotient = _quotient(chosen, states, file)
@@ -219,7 +219,7 @@ def _plain_system(
         names=sides.names,
         norms=sides.norms,
         order=order,
-        encloses=tuple(own for own in Enclosed if own.kind in sides.bounded),
+        encloses=tuple(enclosed for enclosed in Enclosed if enclosed.kind in sides.bounded),
     )
     system = SwitchedSystem(
         name=document.name or path.stem,
@@ -277,7 +277,7 @@ def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
     Raises:
         SceneError: for roots of anything else, and where the name of a root means something else.
     """
-    states, found = document.system.states, dict[str, int]()
+    states, orders = document.system.states, dict[str, int]()
     single, _ = split_intervals(document.system.parameters, file)
     texts = parameter_texts(single, {*states, *RESERVED}, file)
     for key, formula in _keyed_formulas(document):
@@ -285,9 +285,9 @@ def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
         with formula_refused(file, key, formula):
             for side in (formula,) if guard is None else guard[::2]:
                 for name, order in orders_in(side, states, texts).items():
-                    found[name] = lcm(found.get(name, 1), order)
-    rooted = tuple(name for name in states if name in found)
-    roots = SignedRoots(states, rooted, tuple(found[name] for name in rooted), tuple(texts.items()))
+                    orders[name] = lcm(orders.get(name, 1), order)
+    rooted = tuple(name for name in states if name in orders)
+    roots = SignedRoots(states, rooted, tuple(orders[name] for name in rooted), tuple(texts.items()))
     for name in {*states, *document.system.parameters} & set(roots.names.values()):
         raise SceneError(file, "system.states", "a name that is not that of a square root", name)
     return roots if rooted else None
@@ -301,7 +301,7 @@ def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path
     """
     try:
         in_roots, in_time_of_states, with_sizes = rooted_documents(document, roots, file)
-        seen, unscaled = (_plain_system(part, file, path) for part in (in_roots, in_time_of_states))
+        scaled, unscaled = (_plain_system(part, file, path) for part in (in_roots, in_time_of_states))
         extended = _plain_system(with_sizes, file, path, sizes=roots.names.values())
     except SceneError as error:
         stated, expected = dict(_keyed_formulas(document)), error.expected
@@ -312,9 +312,9 @@ def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path
             received = StatedFact(f"{received} with {', '.join(roots.meanings)}")
         raise SceneError(error.file, error.key, expected, received) from None
     written = tuple(tuple(map(roots.restored, part[: len(roots.states)])) for part in extended.stated_lists)
-    unscaled = replace(seen, rhs=unscaled.rhs, others=unscaled.others)  # over the same number field
-    rewriting = replace(seen.rewriting, written=written)
-    return replace(seen, rewriting=rewriting, by_roots=SeenByRoots(roots, extended, unscaled))
+    unscaled = replace(scaled, rhs=unscaled.rhs, others=unscaled.others)  # over the same number field
+    rewriting = replace(scaled.rewriting, written=written)
+    return replace(scaled, rewriting=rewriting, by_roots=SeenByRoots(roots, extended, unscaled))
 
 
 def _whole(
@@ -347,12 +347,12 @@ def _whole(
 def _stated(value: tuple[object, ...], states: tuple[str, ...], file: str) -> dict[str, tuple[object, ...]]:
     """One list of formulas, or several of them, by key."""
     nested = bool(value) and all(isinstance(part, list) for part in value)
-    found = {}
+    sides = {}
     for k, side in enumerate(value if nested else (value,), 1):
         key = f"system.rhs[{k}]" if nested else "system.rhs"
-        found[key] = tuple(side) if isinstance(side, list | tuple) else ()
-        _require_one_each(states, found[key], file, key, "formulas")
-    return found
+        sides[key] = tuple(side) if isinstance(side, list | tuple) else ()
+        _require_one_each(states, sides[key], file, key, "formulas")
+    return sides
 
 
 def _parsed(
@@ -422,9 +422,9 @@ def _require_denominator(system: SwitchedSystem, bottom: PiecewiseExpression) ->
     Raises:
         SceneError: for one that is negative at the point, or zero there and no form of an even degree.
     """
-    own = bottom.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), lambda _: 1)
-    at_point = own.terms.get((0,) * len(system.states))
-    fits = own.is_homogeneous and own.degree % 2 == 0 if at_point is None else at_point.sign() > 0
+    polynomial = bottom.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), lambda _: 1)
+    at_point = polynomial.terms.get((0,) * len(system.states))
+    fits = polynomial.is_homogeneous and polynomial.degree % 2 == 0 if at_point is None else at_point.sign() > 0
     if not fits:
         expected = "polynomials, or one over a polynomial that is positive off the point such as x**2 + y**2"
         raise SceneError(system.source, "check.lyapunov", expected, bottom.text)
@@ -457,9 +457,9 @@ def rooted_documents(
     Raises:
         SceneError: for an equilibrium whose roots have no names.
     """
-    seen = _in_roots(document, roots, roots.seen_field, file)
+    scaled = _in_roots(document, roots, roots.seen_field, file)
     unscaled = _in_roots(document, roots, lambda formula, place: roots.seen(formula), file)
-    return seen, unscaled, _extended(document, roots, file)
+    return scaled, unscaled, _extended(document, roots, file)
 
 
 def _in_roots(document: SystemDocument, roots: SignedRoots, rewrite: Rewrite, file: str) -> SystemDocument:
@@ -502,8 +502,8 @@ def _rewritten(
     more = ("0",) * (len(states) - len(document.system.states))
 
     def fields(side: Any) -> tuple[object, ...]:
-        known = (*(rewrite(formula, k) for k, formula in enumerate(side)),)
-        return (*known, *more) if len(known) == len(document.system.states) else known
+        formulas = (*(rewrite(formula, k) for k, formula in enumerate(side)),)
+        return (*formulas, *more) if len(formulas) == len(document.system.states) else formulas
 
     rhs = document.system.rhs
     if rhs is not None:
@@ -523,8 +523,10 @@ def _rooted_point(document: SystemDocument, roots: SignedRoots, file: str) -> tu
     if point is None:
         return None
     named, order = zip(roots.states, point, strict=False), roots.order
-    known = tuple(_root(value, order[name], file, signed=True) if name in order else value for name, value in named)
-    return (*known, *point[len(known) :])
+    coordinates = tuple(
+        _root(value, order[name], file, signed=True) if name in order else value for name, value in named
+    )
+    return (*coordinates, *point[len(coordinates) :])
 
 
 def _root(value: Exact, order: int, file: str, *, signed: bool) -> Exact:

@@ -81,8 +81,8 @@ def with_parameters(formula: object, texts: Mapping[str, str]) -> object:
     try:
         tree = formula_tree(formula)
         values = {name: formula_tree(texts[name]) for name in names_of(tree) & texts.keys()}
-        found = written(with_whole_exponents(with_names(tree, values)))
-        return formula if found == written(tree) else found
+        text = written(with_whole_exponents(with_names(tree, values)))
+        return formula if text == written(tree) else text
     except ExpressionError:
         return formula
 
@@ -242,12 +242,12 @@ def regions_as_formulas(
     """
     if len(tables) > MAX_REGIONS:
         raise SceneError(file, "region", f"at most {MAX_REGIONS} tables", StatedFact(f"{len(tables)}"))
-    found = [_guarded(table, states, check, file, f"region[{k}]") for k, table in enumerate(tables, 1)]
-    for k, region in enumerate(found, 1):
-        if bool(region.truths) is (k == len(found)):
+    regions = [_guarded(table, states, check, file, f"region[{k}]") for k, table in enumerate(tables, 1)]
+    for k, region in enumerate(regions, 1):
+        if bool(region.truths) is (k == len(regions)):
             expected = "guards in all tables but the last one, which holds everywhere else"
             raise SceneError(file, f"region[{k}].where", expected, StatedFact(f"{len(region.truths)}"))
-    *guarded, last = found
+    *guarded, last = regions
 
     def formulas(order: Sequence[Guarded]) -> list[str]:
         return [
@@ -257,7 +257,7 @@ def regions_as_formulas(
 
     if not overlap:
         return tuple(formulas(guarded))
-    return tuple(formulas([own, *(other for other in guarded if other is not own)]) for own in guarded)
+    return tuple(formulas([region, *(other for other in guarded if other is not region)]) for region in guarded)
 
 
 def _guarded(table: RegionTable, states: Sequence[str], check: Checker, file: str, key: str) -> Guarded:

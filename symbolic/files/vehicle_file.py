@@ -125,7 +125,7 @@ def build_vehicle(data: dict[str, Any], file: str, path: Path) -> Vehicle:
     wheels = builder.build(_places(document, numbers, rows))
     sides = [wheel.position[1].sign() for wheel in wheels]
     left, right = (
-        None if 0 in sides else _side_speed(wheel for wheel, own in zip(wheels, sides, strict=True) if own == side)
+        None if 0 in sides else _side_speed(wheel for wheel, s in zip(wheels, sides, strict=True) if s == side)
         for side in (1, -1)
     )
     scene = _scene(document, builder.rule, numbers, wheels, path)
@@ -155,14 +155,14 @@ def _places(document: VehicleDocument, numbers: Numbers, rows: Iterable[Vector])
     named = (wheel.place(numbers, f"wheel[{k}]") for k, wheel in enumerate(document.wheel, 1))
     speeds = {1: document.vehicle.left, -1: document.vehicle.right}
     for place in (*(WheelPlace("vehicle", position, Own()) for position in rows), *named):
-        own = place.own._replace(heading=place.own.heading or FORWARD)
-        if own.speed is None:
+        settings = place.own._replace(heading=place.own.heading or FORWARD)
+        if settings.speed is None:
             side = place.position[1].sign()
             if not side:
                 required = "the speed of a wheel at y = 0, which is of neither side"
                 raise SceneError(numbers.file, f"{place.key}.speed", required, StatedFact("nothing"))
-            own = own._replace(speed=speeds[side])
-        yield place._replace(own=own)
+            settings = settings._replace(speed=speeds[side])
+        yield place._replace(own=settings)
 
 
 def _side_speed(wheels: Iterable[Wheel]) -> Number | None:

@@ -73,11 +73,11 @@ class WheelBuilder:
                 raise self._error(f"{place.key}.name", f"each name once (it is that of {taken})", place.name)
 
     def _wheel(self, index: int, place: WheelPlace) -> Wheel:
-        own = place.own
-        if own.speed is not None:
-            speed: Number | None = self._converted(self._numbers(own.speed, f"{place.key}.speed"))
+        settings = place.own
+        if settings.speed is not None:
+            speed: Number | None = self._converted(self._numbers(settings.speed, f"{place.key}.speed"))
         else:
-            speed = self._field_speed if own.heading is None else self._unit_speed
+            speed = self._field_speed if settings.heading is None else self._unit_speed
         friction = self._friction(index, place)
         limit = self._limit(place)
         direction = self._direction(index, place)
@@ -96,8 +96,8 @@ class WheelBuilder:
         common = self._document.contact.rule
         first: dict[str, str] = {}
         for place in places:
-            own = place.own.contact
-            first.setdefault(own or common, "contact.rule" if own is None else f"{place.key}.contact")
+            contact = place.own.contact
+            first.setdefault(contact or common, "contact.rule" if contact is None else f"{place.key}.contact")
         if len(first) < 2:
             return next(iter(first), common)
         for rule, key in first.items():
@@ -115,12 +115,12 @@ class WheelBuilder:
 
     def _limit(self, place: WheelPlace) -> Number | None:
         """The largest speed of a wheel in lengths per second; equal limits are one shared number."""
-        own = place.own.speed_limit
-        if own not in self._limits:
-            value = self._document.drive.speed_limit if own is None else own
-            key = "drive.speed_limit" if own is None else f"{place.key}.speed_limit"
-            self._limits[own] = None if value is None else self._converted(self._numbers.positive(value, key))
-        return self._limits[own]
+        limit = place.own.speed_limit
+        if limit not in self._limits:
+            value = self._document.drive.speed_limit if limit is None else limit
+            key = "drive.speed_limit" if limit is None else f"{place.key}.speed_limit"
+            self._limits[limit] = None if value is None else self._converted(self._numbers.positive(value, key))
+        return self._limits[limit]
 
     def _refuse_above(self, limit: Number, wheel: Wheel, place: WheelPlace) -> None:
         """Refuse a wheel whose own speed is above its limit.
@@ -150,9 +150,9 @@ class WheelBuilder:
 
     def _axis(self, index: int, place: WheelPlace, direction: Vector) -> Vector | None:
         """The friction axis, on the side of the rim's heading; None where it is the rim."""
-        own, common = place.own.axis, self._document.friction.axis
-        key = "friction.axis" if own is None else f"{place.key}.axis"
-        named = common if own is None else own
+        wheel_axis, common = place.own.axis, self._document.friction.axis
+        key = "friction.axis" if wheel_axis is None else f"{place.key}.axis"
+        named = common if wheel_axis is None else wheel_axis
         if named is None:
             return None
         axis = named.psi(self._numbers, key)(place.position)
@@ -177,21 +177,21 @@ class WheelBuilder:
         return speed if self._unit_speed is self._numbers.field.one else speed * self._unit_speed
 
     def _friction(self, index: int, place: WheelPlace) -> Friction:
-        own = place.own
-        named = own.mu_roll, own.mu_side, own.contact
+        settings = place.own
+        named = settings.mu_roll, settings.mu_side, settings.contact
         if named not in self._frictions:
             roll = self._coefficient("mu_roll", named[0], index, place)
             side = self._coefficient("mu_side", named[1], index, place)
             if not roll and not side:
                 key = "friction" if named[:2] == (None, None) else place.key
                 raise self._error(key, "mu_roll or mu_side above 0", StatedFact("0 for both"))
-            rule = (own.contact or self._document.contact.rule) if self.rule == MIXED else ""
+            rule = (settings.contact or self._document.contact.rule) if self.rule == MIXED else ""
             self._frictions[named] = Friction(roll, side, rule)
         return self._frictions[named]
 
-    def _coefficient(self, name: str, own: Exact | None, index: int, place: WheelPlace) -> Number:
-        key = f"friction.{name}" if own is None else f"{place.key}.{name}"
-        value: Exact | None = getattr(self._document.friction, name) if own is None else own
+    def _coefficient(self, name: str, wheel_value: Exact | None, index: int, place: WheelPlace) -> Number:
+        key = f"friction.{name}" if wheel_value is None else f"{place.key}.{name}"
+        value: Exact | None = getattr(self._document.friction, name) if wheel_value is None else wheel_value
         if value is None:
             raise self._error(key, f"a number, since wheel {index} names none", StatedFact("nothing"))
         return self._numbers.at_least_zero(value, key)

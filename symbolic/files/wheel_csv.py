@@ -65,13 +65,13 @@ class WheelRows(NamedTuple):
 
     def documents(self) -> list[dict[str, Any]]:
         """The wheels one by one, as tables ``[[wheel]]`` of a scene file: numbers and angles as they are."""
-        found = []
+        tables = []
         for row in self.rows:
             texts = dict(row.texts)
             position = [_written(texts.pop("x")), _written(texts.pop("y"))]
-            own = {column: text if column in WORDS else _written(text) for column, text in texts.items()}
-            found.append({"position": position, **own})
-        return found
+            settings = {column: text if column in WORDS else _written(text) for column, text in texts.items()}
+            tables.append({"position": position, **settings})
+        return tables
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -108,13 +108,13 @@ class _Cells:
 
     def value(self, line: int, column: str, text: str) -> Any:
         """Value of a cell, None where it is blank."""
-        known = self.known[column]
-        if text not in known:
+        values = self.known[column]
+        if text not in values:
             try:
-                known[text] = self._read(column, text) if text else None
+                values[text] = self._read(column, text) if text else None
             except ValueError as error:
                 raise self.error(line, column, requirement(error), text) from None
-        return known[text]
+        return values[text]
 
     def _read(self, column: str, text: str) -> Heading | Exact | str:
         """A number, a contact rule, or a heading as in a scene file; a direction is one quoted cell, "[a, b]"."""
@@ -129,9 +129,9 @@ class _Cells:
         entries = _entries(text)
         return read_heading(text, self.unit) if entries is None else read_heading(entries)
 
-    def _wanted_cells(self, found: int) -> str:
+    def _wanted_cells(self, count: int) -> str:
         """What a row must have; decimal commas make more cells where commas separate them."""
-        too_many = self.separator == "," and found > len(self.columns)
+        too_many = self.separator == "," and count > len(self.columns)
         return f"{len(self.columns)} cells" + " (decimals with a point, not a comma)" * too_many
 
     def error(self, line: int, column: str, expected: str, value: object) -> SceneError:
@@ -165,7 +165,7 @@ def parse_wheels(text: str, name: str, file: str, unit: AngleUnit | None = None)
                 raise SceneError(file, name, f"at most {MAX_WHEELS} wheels", StatedFact("more"))
     except csv.Error as error:
         raise SceneError(file, f"{name}:{reader.line_num}", "a CSV table", StatedFact(str(error))) from None
-    values = [value for known in cells.known.values() for value in known.values()]
+    values = [value for column in cells.known.values() for value in column.values()]
     return WheelRows(name, rows, values, _unread(header, columns))
 
 

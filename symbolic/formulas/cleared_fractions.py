@@ -99,25 +99,25 @@ class Clearing:
         if not any(map(self._has_fraction, formulas)):
             return Cleared(tuple(formulas))
         parsed = [parse_tree(formula, MAX_TEXT, "a formula") for formula in formulas]
-        found = [self._fraction(tree, text) for text, tree in parsed]
+        fractions = [self._fraction(tree, text) for text, tree in parsed]
         every: Counter[str] = Counter()
-        for part in found:
+        for part in fractions:
             every |= part.bottom
         # A field that is no cone by its factors is none by accident either: cones claim the whole plane.
         extra = Counter() if all(map(self._is_positive_sum, every)) else Counter(list(every))
-        cleared = tuple(written(_times(part.top, every - part.bottom + extra)) for part in found)
+        cleared = tuple(written(_times(part.top, every - part.bottom + extra)) for part in fractions)
         return Cleared(cleared, tuple(every), written(_times(ONE, every + extra)))
 
     def restored(self, text: str) -> str:
         """A text about formulas with roots in place of the names of norms."""
-        for own in self.norms:
-            text = re.sub(rf"\b{own.name}\b", written(own.stated), text)
+        for norm in self.norms:
+            text = re.sub(rf"\b{norm.name}\b", written(norm.stated), text)
         return text
 
     @property
     def _names(self) -> set[str]:
         """The names of norms."""
-        return {own.name for own in self.norms}
+        return {norm.name for norm in self.norms}
 
     def _has_fraction(self, formula: object) -> bool:
         tree = readable_tree(formula)
@@ -179,7 +179,7 @@ class Clearing:
             ExpressionError: for one that has no sign there.
         """
         value = self._value(node, self.point, text)
-        values = [value] if value else [self._value(node, own, text) for own in self._places_beside()]
+        values = [value] if value else [self._value(node, place, text) for place in self._places_beside()]
         if min(values) <= 0 <= max(values):
             raise ExpressionError(f"required denominators that are not zero at the checked point, received {text}")
         return values[0] > 0
@@ -195,7 +195,7 @@ class Clearing:
     def _places_beside(self) -> Iterator[dict[str, float]]:
         """Places near the checked point in many directions, those of the axes too, with positive sizes of roots."""
         drawn, names = Random(0), sorted(self.point.keys() - self.sizes)
-        along = [[float(side * (own == name)) for own in names] for name in names for side in (1, -1)]
+        along = [[float(side * (other == name)) for other in names] for name in names for side in (1, -1)]
         between = [[drawn.uniform(-1, 1) for _ in names] for _ in range(BESIDE)]
         for direction, size in product((*along, *between), NEAR):
             place = {name: self.point[name] + size * step for name, step in zip(names, direction, strict=True)}
@@ -212,9 +212,9 @@ class Clearing:
 
         It is positive wherever not all of these are zero.
         """
-        for own in self.norms:
-            if own.name == text:
-                return self._is_positive_sum(own.argument)
+        for norm in self.norms:
+            if norm.name == text:
+                return self._is_positive_sum(norm.argument)
         tree = formula_tree(text)
         terms = _terms(tree)
         is_positive = any(not self._moves(term) and self._is_square(term) for term in terms)

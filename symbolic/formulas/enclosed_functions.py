@@ -95,15 +95,15 @@ class Template:
         *terms, (last, coefficient) = series(kind, TERMS[kind] + self.order)
         weighed = _term(last, coefficient, v, ast.Name(_weight(len(self.waves))))
         self.waves.append(Wave(kind, written(v)))
-        return total([*(_term(exponent, own, v) for exponent, own in terms), weighed])
+        return total([*(_term(exponent, c, v) for exponent, c in terms), weighed])
 
 
 def _term(exponent: int, coefficient: Fraction, v: ast.expr, weight: ast.expr = ONE) -> ast.expr:
     """A term of a series."""
     size = abs(coefficient)
-    own = multiplied(weight, number(size.numerator), power(v, exponent) if exponent else ONE)
-    own = quotient(own, number(size.denominator))
-    return own if coefficient > 0 else minus(own)
+    term = multiplied(weight, number(size.numerator), power(v, exponent) if exponent else ONE)
+    term = quotient(term, number(size.denominator))
+    return term if coefficient > 0 else minus(term)
 
 
 def _weight(k: int) -> str:
@@ -143,10 +143,12 @@ def series(kind: str, count: int) -> tuple[tuple[int, Fraction], ...]:
     if kind == "exp":
         return tuple((k, Fraction(1, factorial(k))) for k in range(count))
     if kind == "tanh":
-        found = [Fraction(1)]
+        coefficients = [Fraction(1)]
         for k in range(1, count):
-            found.append(-sum((found[i] * found[k - 1 - i] for i in range(k)), Fraction(0)) / (2 * k + 1))
-        return tuple((2 * k + 1, c) for k, c in enumerate(found))
+            coefficients.append(
+                -sum((coefficients[i] * coefficients[k - 1 - i] for i in range(k)), Fraction(0)) / (2 * k + 1)
+            )
+        return tuple((2 * k + 1, c) for k, c in enumerate(coefficients))
     first = 0 if kind == "cos" else 1
     powers = range(first, first + 2 * count, 2)
     return tuple(
@@ -165,15 +167,15 @@ def named_formulas(formulas: Sequence[object], taken: frozenset[str]) -> tuple[t
         ExpressionError: as for :func:`enclosing_formulas`.
     """
     template = NamedTemplate(taken=taken)
-    found = tuple(written(_template(formula, template)) if has_waves(formula) else formula for formula in formulas)
-    return found, tuple(template.waves)
+    named = tuple(written(_template(formula, template)) if has_waves(formula) else formula for formula in formulas)
+    return named, tuple(template.waves)
 
 
 def kinds_text(waves: Iterable[Wave]) -> str:
     """What functions of states a system has, in words: of sines and cosines, which turn into each other, both."""
-    found = {wave.kind for wave in waves}
-    named = [kind for kind in WAVES if kind in found or (kind in TURNING and not found.isdisjoint(TURNING))]
-    *first, last = [*named, *([] if found.isdisjoint((NORM, INVERSE)) else ["roots of sums of squares"])]
+    kinds = {wave.kind for wave in waves}
+    named = [kind for kind in WAVES if kind in kinds or (kind in TURNING and not kinds.isdisjoint(TURNING))]
+    *first, last = [*named, *([] if kinds.isdisjoint((NORM, INVERSE)) else ["roots of sums of squares"])]
     return f"{', '.join(first)} and {last}" if first else last
 
 
@@ -197,14 +199,16 @@ def enclosing_formulas(formulas: Sequence[object], order: int = 0) -> tuple[list
             another, for exp of what may be positive, and for too many of them.
     """
     template = Template(order=order)
-    found = [_template(formula, template) if has_waves(formula) else formula for formula in formulas]
+    templates = [_template(formula, template) if has_waves(formula) else formula for formula in formulas]
     count = len(template.waves)
     if count > MAX_WAVES:
         raise ExpressionError(f"required at most {MAX_WAVES} of {LISTED} of states, received {count}")
     lists = []
     for chosen in product((ZERO, ONE), repeat=count):
-        weights = {_weight(k): own for k, own in enumerate(chosen)}
-        lists.append(tuple(_filled(own, weights) if isinstance(own, ast.expr) else own for own in found))
+        weights = {_weight(k): weight for k, weight in enumerate(chosen)}
+        lists.append(
+            tuple(_filled(formula, weights) if isinstance(formula, ast.expr) else formula for formula in templates)
+        )
     return lists, tuple(template.waves)
 
 

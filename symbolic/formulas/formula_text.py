@@ -26,8 +26,8 @@ def product_text(factors: Sequence[str]) -> str:
     if ZERO in factors:
         return ZERO
     others = [factor for factor in factors if factor not in (ONE, MINUS_ONE)]
-    found = _balanced(others, "*", ONE)
-    return f"(-{found})" if factors.count(MINUS_ONE) % 2 else found
+    text = _balanced(others, "*", ONE)
+    return f"(-{text})" if factors.count(MINUS_ONE) % 2 else text
 
 
 def difference_text(left: str, right: str) -> str:
@@ -58,8 +58,8 @@ def first_that_holds(choices: Sequence[tuple[str, str]], otherwise: str) -> str:
     formula = otherwise
     for truth, chosen in reversed(choices):
         if chosen != formula:
-            kept = product_text([complement(truth), formula])
-            formula = sum_text([product_text([truth, chosen]), kept])
+            rest = product_text([complement(truth), formula])
+            formula = sum_text([product_text([truth, chosen]), rest])
     return formula
 
 

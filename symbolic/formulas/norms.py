@@ -129,11 +129,11 @@ def squares_in(tree: ast.expr, states: Collection[str]) -> list[Square] | None:
 
     Even powers are squares, and numbers that are not negative are multiples of ``1^2``.
     """
-    found = list(_squares(tree, states))
-    is_sum = all(own is not None and own[0] >= 0 for own in found)
+    squares = list(_squares(tree, states))
+    is_sum = all(square is not None and square[0] >= 0 for square in squares)
     if not is_sum or names_of(tree).isdisjoint(states):
         return None
-    return [own for own in found if own is not None and own[0]]
+    return [square for square in squares if square is not None and square[0]]
 
 
 def _squares(node: ast.expr, states: Collection[str]) -> Iterator[Square | None]:
@@ -159,8 +159,8 @@ def _square(node: ast.expr, states: Collection[str]) -> Square | None:
             numbers, others = _factors(node, states)
             if len(others) == 2 and ast.dump(others[0]) == ast.dump(others[1]):
                 return _scaled((Fraction(1), others[0]), _rational(multiplied(*numbers)))
-            own = _square(others[0], states) if len(others) == 1 else None
-            return _scaled(own, _rational(multiplied(*numbers)))
+            square = _square(others[0], states) if len(others) == 1 else None
+            return _scaled(square, _rational(multiplied(*numbers)))
         case ast.BinOp(left=left, op=ast.Div(), right=right):
             value = _rational(right)
             return _scaled(_square(left, states), 1 / value if value else None)
@@ -176,8 +176,8 @@ def _factors(node: ast.expr, states: Collection[str]) -> tuple[list[ast.expr], l
     return ([node], []) if names_of(node).isdisjoint(states) else ([], [node])
 
 
-def _scaled(own: Square | None, factor: Fraction | None) -> Square | None:
-    return None if own is None or factor is None else (own[0] * factor, own[1])
+def _scaled(square: Square | None, factor: Fraction | None) -> Square | None:
+    return None if square is None or factor is None else (square[0] * factor, square[1])
 
 
 def _rational(node: ast.expr) -> Fraction | None:
@@ -223,15 +223,15 @@ def named_norms(
     states, norms = point.keys(), dict[str, Norm]()
 
     def change(node: ast.expr) -> ast.expr | None:
-        found = _norm_of(node, states)
-        if found is None:
+        norm = _norm_of(node, states)
+        if norm is None:
             return None
-        argument, exponent = written(found[0]), found[1]
+        argument, exponent = written(norm[0]), norm[1]
         if argument not in norms:
             name = NAMED.format(len(norms) + 1)
             while any(name in other for other in taken):  # entries of unit vectors are named after their norm
                 name += "_"
-            norms[argument] = Norm(NORM, argument, name, _value_at(found[0], point))
+            norms[argument] = Norm(NORM, argument, name, _value_at(norm[0], point))
         size = power(ast.Name(norms[argument].name), abs(exponent))
         return size if exponent > 0 else quotient(ONE, size)
 
@@ -239,10 +239,10 @@ def named_norms(
         tree = readable_tree(formula) if holds_norms(formula, states) else None
         return formula if tree is None else written(replaced(tree, change))
 
-    found = [tuple(map(named, formulas)) for formulas in lists]
+    named_lists = [tuple(map(named, formulas)) for formulas in lists]
     if len(norms) > MAX_NORMS:
         raise ExpressionError(f"required at most {MAX_NORMS} different roots of sums of squares, received {len(norms)}")
-    return found, tuple(norms.values())
+    return named_lists, tuple(norms.values())
 
 
 def _value_at(square: ast.expr, point: Mapping[str, Fraction | None]) -> Fraction:
@@ -255,13 +255,13 @@ def _value_at(square: ast.expr, point: Mapping[str, Fraction | None]) -> Fractio
 
 def with_norms(norms: Sequence[Bounded], place: Mapping[str, float]) -> dict[str, float]:
     """A place in floats, by name, with the values of norms beside those of the states."""
-    roots = [own for own in norms if own.kind == NORM]
-    return {**place, **{own.name: float_value(own.stated, place, own.argument) for own in roots}}
+    roots = [norm for norm in norms if norm.kind == NORM]
+    return {**place, **{root.name: float_value(root.stated, place, root.argument) for root in roots}}
 
 
 def restored(tree: ast.expr, norms: Sequence[Bounded]) -> ast.expr:
     """A formula with roots in place of the names of norms."""
-    return with_names(tree, {own.name: own.stated for own in norms})
+    return with_names(tree, {norm.name: norm.stated for norm in norms})
 
 
 # ---- affine in every norm ------------------------------------------------------------------------
@@ -273,12 +273,12 @@ def affine_in_norms(formula: object, norms: Sequence[Bounded]) -> object:
     Raises:
         ExpressionError: for a norm that does not stand in sums, products and whole powers alone.
     """
-    tree, roots = readable_tree(formula), [own for own in norms if own.kind == NORM]
-    if tree is None or names_of(tree).isdisjoint(own.name for own in roots):
+    tree, roots = readable_tree(formula), [norm for norm in norms if norm.kind == NORM]
+    if tree is None or names_of(tree).isdisjoint(root.name for root in roots):
         return formula
-    for own in roots:
-        without, factor = affine_parts(tree, own.name, formula_tree(own.argument), str(formula))
-        tree = total([without, multiplied(ast.Name(own.name), factor)])
+    for root in roots:
+        without, factor = affine_parts(tree, root.name, formula_tree(root.argument), str(formula))
+        tree = total([without, multiplied(ast.Name(root.name), factor)])
     return written(tidied(tree))
 
 
@@ -328,12 +328,12 @@ def at_ends(
     """Lists of formulas whose hull holds some that are affine in norms: with each of these at its bounds, all alike."""
     trees = map(readable_tree, formulas)
     names = {name for tree in trees if tree is not None for name in names_of(tree)}
-    held = [own for own in norms if own.name in names]
-    found = []
-    for chosen in product(*(own.bounds(states, order) for own in held)):
-        meanings = {own.name: bound for own, bound in zip(held, chosen, strict=True)}
-        found.append([with_meanings(formula, meanings) for formula in formulas])
-    return found
+    present = [norm for norm in norms if norm.name in names]
+    lists = []
+    for chosen in product(*(norm.bounds(states, order) for norm in present)):
+        meanings = {norm.name: bound for norm, bound in zip(present, chosen, strict=True)}
+        lists.append([with_meanings(formula, meanings) for formula in formulas])
+    return lists
 
 
 def with_meanings(formula: object, meanings: Mapping[str, ast.expr]) -> object:
@@ -346,7 +346,7 @@ def with_meanings(formula: object, meanings: Mapping[str, ast.expr]) -> object:
 
 def _beside_root(norm: Norm, squares: Sequence[Square], order: int) -> tuple[ast.expr, ...]:
     """The bounds where a norm is positive at the point, which the one below is at least at order 0 if it may be."""
-    root, others = called(NORM, number(norm.square)), [own for own in squares if own[1] is not ONE]
+    root, others = called(NORM, number(norm.square)), [square for square in squares if square[1] is not ONE]
     is_least = sum(c for c, base in squares if base is ONE) == norm.square
     if is_least:
         part = total(multiplied(number(c / norm.square), power(base, 2)) for c, base in others)
@@ -361,11 +361,11 @@ def _largest(
     squares: Sequence[Square], vectors: Sequence[tuple[Fraction, Fraction]], least: Fraction, *, is_above: bool
 ) -> ast.expr:
     """The polyhedral norm below or above a norm."""
-    found, *others = (multiplied(number(root_beside(c, is_above=is_above)), _size(base)) for c, base in squares)
+    bound, *others = (multiplied(number(root_beside(c, is_above=is_above)), _size(base)) for c, base in squares)
     for size in others:
-        parts = [_weighted(vector, (found, size), least if is_above else Fraction(1)) for vector in vectors]
-        found = called("Max", *parts) if len(parts) > 1 else parts[0]
-    return found
+        parts = [_weighted(vector, (bound, size), least if is_above else Fraction(1)) for vector in vectors]
+        bound = called("Max", *parts) if len(parts) > 1 else parts[0]
+    return bound
 
 
 def _size(base: ast.expr) -> ast.expr:

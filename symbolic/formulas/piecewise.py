@@ -67,15 +67,15 @@ class PiecewiseExpression:
     @cached_property
     def switching_parts(self) -> tuple[PiecewiseExpression, ...]:
         """The outermost parts that may switch, each as a formula of its own."""
-        found: list[PiecewiseExpression] = []
+        parts: list[PiecewiseExpression] = []
         waiting: list[ast.AST] = [self.tree]
         while waiting:
             node = waiting.pop()
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in SWITCHES:
-                found.append(PiecewiseExpression(self.text, node, self.states))
+                parts.append(PiecewiseExpression(self.text, node, self.states))
             else:
                 waiting += reversed(list(ast.iter_child_nodes(node)))
-        return tuple(found)
+        return tuple(parts)
 
     @property
     def summands(self) -> Iterator[PiecewiseExpression]:
@@ -114,15 +114,15 @@ class PiecewiseExpression:
     @cached_property
     def numbers(self) -> Mapping[ast.expr, Expression]:
         """The largest parts without states, from left to right, read once for all pieces."""
-        found: dict[ast.expr, Expression] = {}
+        numbers: dict[ast.expr, Expression] = {}
         waiting = [self.tree]
         while waiting:
             node = waiting.pop()
             if self.is_constant(node):
-                found[node] = _constant(node)
+                numbers[node] = _constant(node)
             else:
                 waiting += reversed([part for part in ast.iter_child_nodes(node) if isinstance(part, ast.expr)])
-        return found
+        return numbers
 
 
 _known = lru_cache(PiecewiseExpression)  # with what was read of its tree

@@ -117,10 +117,10 @@ class SignedRoots:
     def seen_field(self, formula: object, place: int) -> object:
         """The right-hand side of a state in the roots and in the time s."""
         others = list(self._speeds(name for name in self.rooted if name != self.states[place]))
-        seen = self.seen(formula)
+        side = self.seen(formula)
         with suppress(ExpressionError):  # refused where formulas are read
-            return written(multiplied(*others, formula_tree(seen))) if others else seen
-        return seen
+            return written(multiplied(*others, formula_tree(side))) if others else side
+        return side
 
     def extended(self, formula: object) -> object:
         """A formula in which the size of each root is a further state, for solutions to be followed."""
@@ -190,7 +190,7 @@ def orders_in(formula: object, states: Sequence[str], parameters: Mapping[str, s
         text, tree = parse_tree(formula, MAX_TEXT, "a formula")
     except ExpressionError:
         return {}  # refused where formulas are read
-    found: dict[str, int] = {}
+    orders: dict[str, int] = {}
     for node in ast.walk(tree):
         exponent = _fractional_power(node, parameters)
         if exponent is None or names_of(node).isdisjoint(states):
@@ -199,21 +199,21 @@ def orders_in(formula: object, states: Sequence[str], parameters: Mapping[str, s
         if name not in states:
             from nonsmooth.symbolic.formulas.norms import squares_in
 
-            values = {own: formula_tree(value) for own, value in parameters.items()}
+            values = {parameter: formula_tree(value) for parameter, value in parameters.items()}
             if exponent.denominator == 2 and squares_in(with_names(_radicand(node), values), states):
                 continue  # a norm (:mod:`nonsmooth.symbolic.formulas.norms`)
             kind = "square roots" if is_call(node, "sqrt") else "roots"
             example = f"sqrt(Abs({states[0]}))" if is_call(node, "sqrt") else f"Abs({states[0]})**({exponent})"
-            squares = [f"{own}**2" for own in states[:2]] if len(states) > 1 else ["1", f"{states[0]}**2"]
+            squares = [f"{state}**2" for state in states[:2]] if len(states) > 1 else ["1", f"{states[0]}**2"]
             norm = f"sqrt({' + '.join(squares)})"
             expected = f"{kind} of Abs of a state, such as {example}, or of a sum of squares, such as {norm}"
             raise ExpressionError(f"required {expected}, received {shown(text)}")
-        order = lcm(found.get(name, 1), exponent.denominator)
+        order = lcm(orders.get(name, 1), exponent.denominator)
         if exponent <= 0 or order > MAX_ORDER:
             expected = f"powers of Abs({name}) above 0, with a common denominator up to {MAX_ORDER}"
             raise ExpressionError(f"required {expected}, received {shown(text)}")
-        found[name] = order
-    return found
+        orders[name] = order
+    return orders
 
 
 def _fractional_power(node: ast.AST, parameters: Mapping[str, str]) -> Fraction | None:

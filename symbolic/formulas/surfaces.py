@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 def factorize(polynomial: Polynomial) -> tuple[Number, list[tuple[Polynomial, int]]] | None:
     """Constant and irreducible factors over Q with exponents; None for zero and for irrational coefficients."""
     rationals = {e: c.as_rational() for e, c in polynomial.terms.items()}
-    known = {e: q for e, q in rationals.items() if q is not None}
-    if not known or len(known) < len(rationals):
+    coefficients = {e: q for e, q in rationals.items() if q is not None}
+    if not coefficients or len(coefficients) < len(rationals):
         return None
     field, context = polynomial.field, fmpq_mpoly_ctx.get(polynomial.variables, Ordering.lex)
-    constant, factors = context.from_dict(known).factor()
+    constant, factors = context.from_dict(coefficients).factor()
     parts = [
         (replace(polynomial, terms={tuple(map(int, e)): field(fmpq(c)) for e, c in f.to_dict().items()}), int(k))
         for f, k in factors
@@ -107,9 +107,9 @@ def quotient(polynomial: Polynomial, factor: Polynomial) -> Polynomial | None:
 
 def _over_rationals(polynomial: Polynomial) -> fmpq_mpoly | None:
     """The polynomial over Q; None for irrational coefficients."""
-    known = {e: q for e, c in polynomial.terms.items() if (q := c.as_rational()) is not None}
+    coefficients = {e: q for e, c in polynomial.terms.items() if (q := c.as_rational()) is not None}
     context = fmpq_mpoly_ctx.get(polynomial.variables, Ordering.lex)
-    return context.from_dict(known) if len(known) == len(polynomial.terms) else None
+    return context.from_dict(coefficients) if len(coefficients) == len(polynomial.terms) else None
 
 
 # ---- formulas that are linear in exact numbers, as plain text, LaTeX and SymPy -------------------

@@ -216,9 +216,9 @@ def replaced(tree: ast.expr, change: Callable[[ast.expr], ast.expr | None]) -> a
         tree: stays as it is.
         change: what stands for a part; None where its own parts are asked for.
     """
-    found = change(tree)
-    if found is not None:
-        return found
+    replacement = change(tree)
+    if replacement is not None:
+        return replacement
     match tree:
         case ast.UnaryOp():
             return ast.UnaryOp(tree.op, replaced(tree.operand, change))
@@ -331,10 +331,10 @@ ZERO, ONE = ast.Constant(0), ast.Constant(1)
 def number(value: int | Fraction) -> ast.expr:
     """A rational number."""
     size = abs(Fraction(value))
-    found: ast.expr = ast.Constant(size.numerator)
+    tree: ast.expr = ast.Constant(size.numerator)
     if size.denominator > 1:
-        found = ast.BinOp(found, ast.Div(), ast.Constant(size.denominator))
-    return minus(found) if value < 0 else found
+        tree = ast.BinOp(tree, ast.Div(), ast.Constant(size.denominator))
+    return minus(tree) if value < 0 else tree
 
 
 def called(name: str, *arguments: ast.expr) -> ast.expr:
@@ -382,16 +382,16 @@ def multiplied(*factors: ast.expr) -> ast.expr:
         return ZERO
     is_negative, others = False, []
     for factor in factors:
-        own = factor
+        positive = factor
         if isinstance(factor, ast.UnaryOp) and isinstance(factor.op, ast.USub):
-            is_negative, own = not is_negative, factor.operand
-        if not _is(own, 1):
-            others.append(own)
+            is_negative, positive = not is_negative, factor.operand
+        if not _is(positive, 1):
+            others.append(positive)
     first, *rest = others or [ONE]
-    found = minus(first) if is_negative else first
-    for own in rest:
-        found = ast.BinOp(found, ast.Mult(), own)
-    return found
+    product = minus(first) if is_negative else first
+    for other in rest:
+        product = ast.BinOp(product, ast.Mult(), other)
+    return product
 
 
 def _is(node: ast.expr, value: int) -> bool:

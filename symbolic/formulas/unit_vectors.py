@@ -82,8 +82,8 @@ class UnitEntry(Bounded):
         side, base = called("sign", formula_tree(self.base)), formula_tree(self.base)
         if len(squares) == 1:
             return (quotient(side, exact_root(self.weight)),)
-        own, sizes = _size(self.weight, base), [_size(*square) for square in squares]
-        is_largest = multiplied(*[_is_larger(own, size) for size in sizes if written(size) != written(own)])
+        base_size, sizes = _size(self.weight, base), [_size(*square) for square in squares]
+        is_largest = multiplied(*[_is_larger(base_size, size) for size in sizes if written(size) != written(base_size)])
         least = root_beside((1 - BESIDE) / (self.weight * len(squares)), is_above=False)
         second = root_beside((1 + BESIDE) / (self.weight * 2), is_above=True)
         most = root_beside(1 / self.weight, is_above=True)
@@ -111,7 +111,7 @@ def with_unit_entries(
         norms: what these names mean.
         states: their names.
     """
-    found = [list(formulas) for formulas in lists]
+    with_entries = [list(formulas) for formulas in lists]
     entries: list[UnitEntry] = []
     for norm in norms:
         squares = squares_in(formula_tree(norm.argument), states) or []
@@ -119,32 +119,35 @@ def with_unit_entries(
         if norm.square or not (is_sign or _is_zero_elsewhere(squares, states)):
             continue
         inverse = f"inverse_{norm.name}"
-        own = [
+        unit_entries = [
             UnitEntry(UNIT, norm.argument, f"unit_{k}_{norm.name}", c, written(base), inverse)
             for k, (c, base) in enumerate(squares, 1)
         ]
-        found = [[_with_entries(formula, norm, squares, own, states) for formula in formulas] for formulas in found]
-        entries += own
-    return found, tuple(entries)
+        with_entries = [
+            [_with_entries(formula, norm, squares, unit_entries, states) for formula in formulas]
+            for formulas in with_entries
+        ]
+        entries += unit_entries
+    return with_entries, tuple(entries)
 
 
 def by_inverses(formulas: Sequence[object], norms: Sequence[Bounded]) -> tuple[list[object], tuple[Wave, ...]]:
     """Formulas with the names of ``1/s`` in place of those of entries, and what all names of roots mean."""
-    entries = [own for own in norms if isinstance(own, UnitEntry)]
-    meanings = {own.name: own.by_inverse for own in entries}
-    inverses = {own.inverse: Wave(INVERSE, own.argument, own.inverse) for own in entries}
-    roots = [own for own in norms if own.kind == NORM]
+    entries = [norm for norm in norms if isinstance(norm, UnitEntry)]
+    meanings = {entry.name: entry.by_inverse for entry in entries}
+    inverses = {entry.inverse: Wave(INVERSE, entry.argument, entry.inverse) for entry in entries}
+    roots = [norm for norm in norms if norm.kind == NORM]
     return [with_meanings(formula, meanings) for formula in formulas], (*roots, *inverses.values())
 
 
 def _is_zero_elsewhere(squares: Sequence[Square], states: Collection[str]) -> bool:
     """Whether the zeros of a norm are known to be a line or more: all b are affine, and less than n are independent."""
     bases = [_polynomial(base, states) for _, base in squares]
-    known = [own for own in bases if own is not None and own.total_degree() == 1]
+    affine = [base for base in bases if base is not None and base.total_degree() == 1]
     slopes = [
-        [own.derivative(k).coefficient(0) if own.derivative(k) else 0 for k in range(len(states))] for own in known
+        [base.derivative(k).coefficient(0) if base.derivative(k) else 0 for k in range(len(states))] for base in affine
     ]
-    return len(known) == len(bases) and fmpq_mat(slopes).rank() < len(states)
+    return len(affine) == len(bases) and fmpq_mat(slopes).rank() < len(states)
 
 
 def _with_entries(
@@ -166,7 +169,7 @@ def _with_entries(
     shares = None if over is ZERO else _shares(over, squares, states)
     if shares is None:
         return formula
-    parts = [multiplied(share, ast.Name(own.name)) for share, own in zip(shares, entries, strict=True)]
+    parts = [multiplied(share, ast.Name(entry.name)) for share, entry in zip(shares, entries, strict=True)]
     return written(tidied(total([without, *parts])))
 
 
@@ -174,7 +177,7 @@ def _shares(node: ast.expr, squares: Sequence[Square], states: Collection[str]) 
     """Formulas m_k of which a formula is ``sum_k m_k b_k``; None where that is not seen."""
     numbers = _combination(node, [base for _, base in squares], states)
     if numbers is not None:
-        return [number(own) for own in numbers]
+        return [number(value) for value in numbers]
     match node:
         case ast.UnaryOp(op=ast.USub()):
             inner = _shares(node.operand, squares, states)
@@ -186,8 +189,8 @@ def _shares(node: ast.expr, squares: Sequence[Square], states: Collection[str]) 
             signed = map(minus, right) if isinstance(node.op, ast.Sub) else right
             return [total(pair) for pair in zip(left, signed, strict=True)]
         case ast.BinOp(op=ast.Mult(), left=left_side, right=right_side):
-            for own, factor in ((left_side, right_side), (right_side, left_side)):
-                inner = _shares(own, squares, states)
+            for operand, factor in ((left_side, right_side), (right_side, left_side)):
+                inner = _shares(operand, squares, states)
                 if inner is not None:
                     return [multiplied(share, factor) for share in inner]
         case ast.BinOp(op=ast.Div()):
@@ -198,20 +201,22 @@ def _shares(node: ast.expr, squares: Sequence[Square], states: Collection[str]) 
 
 def _combination(node: ast.expr, bases: Sequence[ast.expr], states: Collection[str]) -> list[Fraction] | None:
     """Numbers by which a polynomial is a sum of multiples of some; None where there are none."""
-    whole, *parts = (_polynomial(own, states) for own in (node, *bases))
-    known = [part for part in parts if part is not None]
-    if whole is None or len(known) < len(bases):
+    whole, *parts = (_polynomial(tree, states) for tree in (node, *bases))
+    polynomials = [part for part in parts if part is not None]
+    if whole is None or len(polynomials) < len(bases):
         return None
-    monomials = sorted({exponents for own in (whole, *known) for exponents in own.to_dict()})
-    equations = fmpq_mat([[own.to_dict().get(e, fmpq(0)) for own in (*known, whole)] for e in monomials])
+    monomials = sorted({exponents for polynomial in (whole, *polynomials) for exponents in polynomial.to_dict()})
+    equations = fmpq_mat(
+        [[polynomial.to_dict().get(e, fmpq(0)) for polynomial in (*polynomials, whole)] for e in monomials]
+    )
     reduced, rank = equations.rref()
-    found = [fmpq(0)] * len(known)
+    solution = [fmpq(0)] * len(polynomials)
     for row in range(rank):
-        leading = next(k for k in range(len(known) + 1) if reduced[row, k])
-        if leading == len(known):
+        leading = next(k for k in range(len(polynomials) + 1) if reduced[row, k])
+        if leading == len(polynomials):
             return None
-        found[leading] = reduced[row, len(known)]
-    return [Fraction(int(own.p), int(own.q)) for own in found]
+        solution[leading] = reduced[row, len(polynomials)]
+    return [Fraction(int(value.p), int(value.q)) for value in solution]
 
 
 def _polynomial(node: ast.expr, states: Collection[str]) -> fmpq_mpoly | None:
@@ -220,7 +225,7 @@ def _polynomial(node: ast.expr, states: Collection[str]) -> fmpq_mpoly | None:
     context = fmpq_mpoly_ctx.get(names, Ordering.lex)
     meant = Interpretation(lambda value: context.constant(fmpq(value.numerator, value.denominator)), None, {})
     try:
-        found = meant.value(node, dict(zip(names, context.gens(), strict=True)))
+        polynomial = meant.value(node, dict(zip(names, context.gens(), strict=True)))
     except (KeyError, TypeError, ArithmeticError, ValueError):
         return None
-    return found if isinstance(found, fmpq_mpoly) else None
+    return polynomial if isinstance(polynomial, fmpq_mpoly) else None

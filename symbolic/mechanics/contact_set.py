@@ -210,9 +210,9 @@ def alone(scene: Scene) -> Scene:
     if scene.body is None:
         return scene
     stands = standing(scene)
-    own = with_only(scene, stands.wheels)
+    restricted = with_only(scene, stands.wheels)
     wheels = tuple(replace(wheel, index=number) for number, wheel in enumerate(stands.wheels, 1))
-    return replace(stands, wheels=wheels, contact=own.contact, idle=(), body=None)
+    return replace(stands, wheels=wheels, contact=restricted.contact, idle=(), body=None)
 
 
 def on_wheels(scene: Scene, numbers: Sequence[int]) -> Scene:
@@ -251,8 +251,8 @@ def _carries(scene: Scene, body: Body, wheel: Wheel, point: Vector) -> bool:
     if side:
         return side > 0
     shift = f"a small shift along {exact_place(outward_at(body, place))} puts it under the body, against it beside"
-    found = StatedFact(f"wheel {wheel.index} under its edge: {shift}")
-    raise SceneError(scene.origin, "body", "a pose with every wheel under the body or beside it", found)
+    received = StatedFact(f"wheel {wheel.index} under its edge: {shift}")
+    raise SceneError(scene.origin, "body", "a pose with every wheel under the body or beside it", received)
 
 
 def require_standing(scene: Scene, carrying: Sequence[Wheel], point: Vector) -> None:
@@ -269,10 +269,10 @@ def require_standing(scene: Scene, carrying: Sequence[Wheel], point: Vector) -> 
     numbers = tuple(wheel.index for wheel in carrying)
     if len(carrying) < 3:
         which = " and ".join(map(str, numbers))
-        held = {0: "no wheel under it", 1: f"wheel {which} alone under it"}.get(
+        words = {0: "no wheel under it", 1: f"wheel {which} alone under it"}.get(
             len(numbers), f"wheels {which} alone under it"
         )
-        raise TipsError(scene, numbers, f"{held}: it tips")
+        raise TipsError(scene, numbers, f"{words}: it tips")
     hull = support_polygon(outer_positions([wheel.position for wheel in carrying]))
     if len(hull) < 3:
         raise TipsError(scene, numbers, f"all {len(numbers)} wheels under it on one line: it tips")

@@ -295,8 +295,8 @@ class ContactState(ShortRepr):
         fields: dict[int, Triple] = {}
         for row, column in zip(self.rows, columns, strict=True):
             if row.gain:
-                own, index = scaled(column, row.gain * inverse), row.wheel.index
-                fields[index] = added(fields[index], own) if index in fields else own
+                control_field, index = scaled(column, row.gain * inverse), row.wheel.index
+                fields[index] = added(fields[index], control_field) if index in fields else control_field
         return fields
 
 
@@ -363,8 +363,8 @@ def regular_states(scene: Scene) -> list[ContactState]:
         if not determinant:
             continue
         inverse = determinant.inverse() if isinstance(determinant, Number) else 1 / determinant
-        own, columns = (rows[i], rows[j], rows[k]), (crosses[j, k], crosses[k, i], crosses[i, j])
-        states.append(ContactState(own, _twist(own, columns, inverse), (columns, inverse)))
+        triple, columns = (rows[i], rows[j], rows[k]), (crosses[j, k], crosses[k, i], crosses[i, j])
+        states.append(ContactState(triple, _twist(triple, columns, inverse), (columns, inverse)))
     return states
 
 
@@ -404,8 +404,8 @@ def with_rims_along_axes(scene: Scene) -> Scene | None:
     if not askew_wheels(scene):
         return scene
     wheels = [_along_axis(wheel) for wheel in scene.wheels]
-    found = tuple(wheel for wheel in wheels if wheel is not None)
-    return replace(scene, wheels=found) if len(found) == len(wheels) else None
+    aligned = tuple(wheel for wheel in wheels if wheel is not None)
+    return replace(scene, wheels=aligned) if len(aligned) == len(wheels) else None
 
 
 def _along_axis(wheel: Wheel) -> Wheel | None:

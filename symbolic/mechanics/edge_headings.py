@@ -174,10 +174,10 @@ class Gap:
     ends: tuple[tuple[int, ...], tuple[int, ...]]
 
 
-def clusters(found: Sequence[EdgeHeading]) -> list[HeadingCluster]:
+def clusters(headings: Sequence[EdgeHeading]) -> list[HeadingCluster]:
     """Headings in ascending order, within one turn; those whose balls overlap count as one."""
     ordered: list[HeadingCluster] = []
-    for edge in sorted(found, key=lambda one: float(one.theta.mid())):
+    for edge in sorted(headings, key=lambda one: float(one.theta.mid())):
         if ordered and ordered[-1].theta.overlaps(edge.theta):
             ordered[-1] = ordered[-1].merged(edge.theta, [edge])
         else:
@@ -189,10 +189,10 @@ def clusters(found: Sequence[EdgeHeading]) -> list[HeadingCluster]:
     return ordered
 
 
-def gaps(found: Sequence[HeadingCluster]) -> list[Gap]:
+def gaps(ordered: Sequence[HeadingCluster]) -> list[Gap]:
     """From every cluster to the next, around; one full turn where there are none."""
-    if not found:
+    if not ordered:
         return [Gap(-arb.pi(), arb.pi(), ((), ()))]
-    first = HeadingCluster(found[0].theta + 2 * arb.pi(), found[0].edges)
-    pairs = zip(found, [*found[1:], first], strict=True)
+    first = HeadingCluster(ordered[0].theta + 2 * arb.pi(), ordered[0].edges)
+    pairs = zip(ordered, [*ordered[1:], first], strict=True)
     return [Gap(low.theta, high.theta, (low.wheels, high.wheels)) for low, high in pairs]

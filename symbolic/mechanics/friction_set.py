@@ -64,13 +64,13 @@ class CutEllipse(Generic[X]):
     across: X
     cut: X
 
-    def __init_subclass__(cls, **given: Any) -> None:
+    def __init_subclass__(cls, **keywords: Any) -> None:
         """Refuse a shape that would be proved as an ellipse.
 
         Raises:
             TypeError: for another support with the pieces of the ellipse's border.
         """
-        super().__init_subclass__(**given)
+        super().__init_subclass__(**keywords)
         if cls.support is not CutEllipse.support and cls.piece is CutEllipse.piece:
             raise TypeError(f"required piece, gradient, bend and holds_strictly of {cls.__name__}, or FloatShape")
 

@@ -72,10 +72,10 @@ def load_model(scene: Scene) -> LoadModel:
         raise TypeError(f"required loads that are known, received {loads.words}")
     if loads is None:
         return EqualSprings()
-    own = loads.on(scene.carrying_places) if scene.idle else loads
-    if own is None:
+    model = loads.on(scene.carrying_places) if scene.idle else loads
+    if model is None:
         raise ValueError(f"required loads that are known of some wheels alone, received {loads.words}")
-    return own
+    return model
 
 
 # ---- the checked square --------------------------------------------------------------------------
@@ -165,10 +165,10 @@ class RaisedSprings(LoadModel):
         raised = [(i, arithmetic.number(self.offsets[i])) for i in sorted(carrying)]
         forms = []
         for k, form in enumerate(equal):
-            (x, y, z), own = form, arithmetic.number(self.offsets[k])
+            (x, y, z), shift = form, arithmetic.number(self.offsets[k])
             for i, offset in raised:
-                own = own - inner(form, moments[i]) * offset
-            forms.append((x + own, y, z))
+                shift = shift - inner(form, moments[i]) * offset
+            forms.append((x + shift, y, z))
         return forms
 
     def on(self, places: Sequence[int]) -> RaisedSprings:

@@ -20,7 +20,7 @@ class ShortRepr:
 
     def __repr__(self) -> str:
         fields: Mapping[str, Any] = getattr(self, "__dataclass_fields__", {})
-        parts = [f"{name}={_brief(getattr(self, name))}" for name, own in fields.items() if own.repr]
+        parts = [f"{name}={_brief(getattr(self, name))}" for name, field in fields.items() if field.repr]
         return f"{type(self).__name__}({', '.join(parts)})"[:MOST_SHOWN]
 
 

@@ -111,12 +111,12 @@ KEYS = {
 }
 
 
-def is_meant(given: object, known: Collection[str]) -> str:
-    """`` (is mu_side meant?)``, to stand behind the known names; empty where none is like what was given."""
-    if not isinstance(given, str):
+def is_meant(received: object, names: Collection[str]) -> str:
+    """`` (is mu_side meant?)``, to stand behind the names; empty where none is like what was received."""
+    if not isinstance(received, str):
         return ""
-    plain = given[:MAX_READ].strip().lower()
-    likeliest = get_close_matches(plain, [name for name in known if len(name) >= SHORTEST], 1, LIKENESS)
+    plain = received[:MAX_READ].strip().lower()
+    likeliest = get_close_matches(plain, [name for name in names if len(name) >= SHORTEST], 1, LIKENESS)
     alias = KEYS.get(plain) or RULES.get(plain.replace("-", "").replace(" ", "").removesuffix("s"), "")
-    found = alias if alias in known else likeliest[0] if likeliest else ""
-    return f" (is {found} meant?)" if found else ""
+    suggestion = alias if alias in names else likeliest[0] if likeliest else ""
+    return f" (is {suggestion} meant?)" if suggestion else ""

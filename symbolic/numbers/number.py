@@ -78,13 +78,13 @@ class Number(ExactReal):
         other = value if type(value) is Number and value.field is self.field else self._operand(value)
         if other is None:
             return NotImplemented
-        own, others = self.terms, other.terms
-        if len(own) == 1 == len(others) and 0 in own and 0 in others:  # by far the most
-            total = own[0] + others[0]
+        self_terms, others = self.terms, other.terms
+        if len(self_terms) == 1 == len(others) and 0 in self_terms and 0 in others:  # by far the most
+            total = self_terms[0] + others[0]
             return Number(self.field, {0: total} if total else {})
         if not others:
             return self
-        terms = own.copy()
+        terms = self_terms.copy()
         for mask, c in others.items():
             total = terms[mask] + c if mask in terms else c
             if total:
@@ -97,13 +97,13 @@ class Number(ExactReal):
         other = value if type(value) is Number and value.field is self.field else self._operand(value)
         if other is None:
             return NotImplemented
-        own, others = self.terms, other.terms
-        if len(own) == 1 == len(others) and 0 in own and 0 in others:  # by far the most
-            total = own[0] - others[0]
+        self_terms, others = self.terms, other.terms
+        if len(self_terms) == 1 == len(others) and 0 in self_terms and 0 in others:  # by far the most
+            total = self_terms[0] - others[0]
             return Number(self.field, {0: total} if total else {})
         if not others:
             return self
-        terms = own.copy()
+        terms = self_terms.copy()
         for mask, c in others.items():
             total = terms[mask] - c if mask in terms else -c
             if total:
@@ -127,24 +127,24 @@ class Number(ExactReal):
             other = self._operand(value)
         if other is None:
             return NotImplemented
-        field, own, others = self.field, self.terms, other.terms
-        if not own or not others:
+        field, self_terms, others = self.field, self.terms, other.terms
+        if not self_terms or not others:
             return field.zero
         modulus = field.modulus
-        if modulus is None and len(own) == 1 == len(others):
-            if 0 in own and 0 in others:  # by far the most
+        if modulus is None and len(self_terms) == 1 == len(others):
+            if 0 in self_terms and 0 in others:  # by far the most
                 if field.meter is not None:
-                    field.meter.spend(1 + (own[0].height_bits() + others[0].height_bits()) // UNIT_BITS)
-                return Number(field, {0: own[0] * others[0]})
-            (s,), (t,) = own, others
+                    field.meter.spend(1 + (self_terms[0].height_bits() + others[0].height_bits()) // UNIT_BITS)
+                return Number(field, {0: self_terms[0] * others[0]})
+            (s,), (t,) = self_terms, others
             common = field.rational_radicand(s & t) if s & t else 1
             if common is not None:  # a rational number times different roots: nothing to collect
                 if field.meter is not None:
-                    field.meter.spend(1 + (own[s].height_bits() + others[t].height_bits()) // UNIT_BITS)
-                product = own[s] * others[t]
+                    field.meter.spend(1 + (self_terms[s].height_bits() + others[t].height_bits()) // UNIT_BITS)
+                product = self_terms[s] * others[t]
                 return Number(field, {s ^ t: product * common if s & t else product})
-        elif modulus is None and is_rational(own):
-            return other._multiple(own[0])
+        elif modulus is None and is_rational(self_terms):
+            return other._multiple(self_terms[0])
         elif modulus is None and is_rational(others):
             return self._multiple(others[0])
         if field.meter is not None:
@@ -170,15 +170,15 @@ class Number(ExactReal):
 
     def _multiple(self, factor: fmpq) -> Number:
         """The product over the rationals by one of them: nothing to collect."""
-        field, own = self.field, self.terms
-        if not own or not factor:
+        field, self_terms = self.field, self.terms
+        if not self_terms or not factor:
             return field.zero
         if field.meter is not None:
-            field.meter.spend(product_units(own, {0: factor}, field.base_degree))
-        if len(own) == 1:  # by far the most; a comprehension is a call
-            (mask,) = own
-            return Number(field, {mask: own[mask] * factor})
-        return Number(field, {mask: c * factor for mask, c in own.items()})
+            field.meter.spend(product_units(self_terms, {0: factor}, field.base_degree))
+        if len(self_terms) == 1:  # by far the most; a comprehension is a call
+            (mask,) = self_terms
+            return Number(field, {mask: self_terms[mask] * factor})
+        return Number(field, {mask: c * factor for mask, c in self_terms.items()})
 
     def __pow__(self, exponent: int) -> Number:
         return super().__pow__(exponent) if exponent >= 0 else self.inverse() ** -exponent
@@ -211,11 +211,11 @@ class Number(ExactReal):
         field = self.field
         if field.modulus is None and len(self.terms) == 1 == len(other.terms):
             ((s, a),), ((t, b),) = self.terms.items(), other.terms.items()
-            own = field.rational_radicand(t & ~s)  # of the roots that the divisor alone has
-            if own is not None:
+            radicand = field.rational_radicand(t & ~s)  # of the roots that the divisor alone has
+            if radicand is not None:
                 if field.meter is not None:  # what the inverse and the product would cost
                     field.meter.spend(2 + (a.height_bits() + 3 * b.height_bits()) // UNIT_BITS)
-                return Number(field, {s ^ t: a / (b * own) if t & ~s else a / b})
+                return Number(field, {s ^ t: a / (b * radicand) if t & ~s else a / b})
         return self * other.inverse()
 
     def __rtruediv__(self, value: Any) -> Number:

@@ -194,11 +194,11 @@ def angle_notes(field: NumberField) -> tuple[str, ...]:
     """What a reader must know about the numbers of a scene: the remarks on its file, and the measured angles."""
     if not field.measured:
         return field.remarks
-    shown = [_shown(turn, field.writes_decimals) for turn in field.measured[:MOST_SHOWN]]
+    angles = [_shown(turn, field.writes_decimals) for turn in field.measured[:MOST_SHOWN]]
     more = [f"and {len(field.measured) - MOST_SHOWN} more"] * (len(field.measured) > MOST_SHOWN)
     return (
         *field.remarks,
-        f"angles taken as measured: {', '.join(shown + more)}: no number field of degree up to {MOST_DEGREE} holds "
+        f"angles taken as measured: {', '.join(angles + more)}: no number field of degree up to {MOST_DEGREE} holds "
         f"them all, so each stands for a rational direction of length one within {float(CLOSENESS):.0e} of it",
     )
 

@@ -70,14 +70,14 @@ def brief_text(value: Real) -> str:
     return text if len(text) <= SHORT else f"~{decimal_text(value)}"
 
 
-def short_text(shown: Any) -> str:
+def short_text(value: Any) -> str:
     """A number exactly where that fits a line of the terminal, else to six digits; a text as it is."""
-    if not isinstance(shown, Number | Lazy | arb):
-        return str(shown)
-    if not isinstance(shown, arb) and shown.field.writes_decimals:
-        return plain_decimal(shown)
-    text = real_text(shown)
-    return text if len(text) <= TERSE else f"~{decimal_text(shown, FLOAT_DIGITS)}"
+    if not isinstance(value, Number | Lazy | arb):
+        return str(value)
+    if not isinstance(value, arb) and value.field.writes_decimals:
+        return plain_decimal(value)
+    text = real_text(value)
+    return text if len(text) <= TERSE else f"~{decimal_text(value, FLOAT_DIGITS)}"
 
 
 def plain_decimal(value: Number | Lazy) -> str:

@@ -62,10 +62,10 @@ def in_generators(terms: Mapping[Exponents, Any], generators: Sequence[Sequence[
     total: Terms = {}
     for exponents, coefficient in terms.items():
         product: Terms = {(0,) * count: coefficient}
-        for row, known, power in zip(rows, powers, exponents, strict=True):
-            while len(known) <= power:
-                known.append(multiply_terms(known[-1], row))
-            product = multiply_terms(product, known[power]) if power else product
+        for row, row_powers, power in zip(rows, powers, exponents, strict=True):
+            while len(row_powers) <= power:
+                row_powers.append(multiply_terms(row_powers[-1], row))
+            product = multiply_terms(product, row_powers[power]) if power else product
         total = add_terms(total, product)
     return total
 
@@ -196,10 +196,10 @@ class Polynomial(ExactRing):
         total: Any = self.field.zero
         for exponents, coefficient in self.terms.items():
             term: Any = coefficient
-            for known, exponent in zip(powers, exponents, strict=True):
-                while len(known) <= exponent:
-                    known.append(known[-1] * known[1])
-                term = term * known[exponent] if exponent else term
+            for coordinate_powers, exponent in zip(powers, exponents, strict=True):
+                while len(coordinate_powers) <= exponent:
+                    coordinate_powers.append(coordinate_powers[-1] * coordinate_powers[1])
+                term = term * coordinate_powers[exponent] if exponent else term
             total = total + term
         return total
 

@@ -33,38 +33,38 @@ def solutions(rows: Sequence[Affine], count: int) -> tuple[Vector, list[Vector]]
     for i, k in enumerate(pivots):
         point[k] = reduced[i, count]
     for free in sorted(set(range(count)) - set(pivots)):
-        own = [fmpq(k == free) for k in range(count)]
+        direction = [fmpq(k == free) for k in range(count)]
         for i, k in enumerate(pivots):
-            own[k] = -reduced[i, free]
-        directions.append(own)
+            direction[k] = -reduced[i, free]
+        directions.append(direction)
     return point, directions
 
 
 def along(row: Affine, point: Vector, directions: Sequence[Vector]) -> Affine:
     """An affine function of x as one of t, with ``x = point + sum t_i directions_i``."""
     linear = [*row[:-1], fmpq(0)]
-    return [*(value(linear, own) for own in directions), value(row, point)]
+    return [*(value(linear, direction) for direction in directions), value(row, point)]
 
 
 def dimension_of(points: Sequence[Vector]) -> int:
     """That of the hull of some points."""
-    apart = [[a - b for a, b in zip(own, points[0], strict=True)] for own in points[1:]]
+    apart = [[a - b for a, b in zip(point, points[0], strict=True)] for point in points[1:]]
     return int(fmpq_mat(apart).rank()) if apart else 0
 
 
 def hull(points: Sequence[Vector]) -> tuple[list[Affine], list[Affine]]:
     """The convex hull of some points: affine functions that are zero on it, and such that are not negative on it."""
     first, count = points[0], len(points[0])
-    apart = [[a - b for a, b in zip(own, first, strict=True)] for own in points[1:]]
+    apart = [[a - b for a, b in zip(point, first, strict=True)] for point in points[1:]]
     reduced, rank = fmpq_mat([[fmpq(0)] * count, *apart]).rref()
     spanned = reduced.tolist()[:rank]
-    kept = [next(k for k in range(count) if row[k]) for row in spanned]  # coordinates that determine the others
+    indices = [next(k for k in range(count) if row[k]) for row in spanned]  # coordinates that determine the others
     across = solutions([[*row, fmpq(0)] for row in spanned], count)
     zero = [[*normal, -value([*normal, fmpq(0)], first)] for normal in (across or ([], []))[1]]
     sides = []
-    for own in _sides([[point[k] for k in kept] for point in points]):
-        row = [fmpq(0)] * count + [own[-1]]
-        for slope, k in zip(own, kept, strict=False):
+    for side in _sides([[point[k] for k in indices] for point in points]):
+        row = [fmpq(0)] * count + [side[-1]]
+        for slope, k in zip(side, indices, strict=False):
             row[k] = slope
         sides.append(row)
     return zero, sides
@@ -74,16 +74,16 @@ def _sides(points: Sequence[Vector]) -> Iterator[Affine]:
     """The sides of a hull of full dimension, each once."""
     size, seen = len(points[0]), set[tuple[fmpq, ...]]()
     for chosen in combinations(points, size) if size else ():
-        found = solutions([[*point, fmpq(1), fmpq(0)] for point in chosen], size + 1)
-        if found is None or len(found[1]) != 1:
+        solution = solutions([[*point, fmpq(1), fmpq(0)] for point in chosen], size + 1)
+        if solution is None or len(solution[1]) != 1:
             continue
-        (row,) = found[1]
+        (row,) = solution[1]
         values = [value(row, point) for point in points]
-        if any(own < 0 for own in values) and any(own > 0 for own in values):
+        if any(v < 0 for v in values) and any(v > 0 for v in values):
             continue
-        row = row if any(own > 0 for own in values) else [-own for own in row]
+        row = row if any(v > 0 for v in values) else [-entry for entry in row]
         scale = max(map(abs, row[:-1]))
-        row = [own / scale for own in row]
+        row = [entry / scale for entry in row]
         if tuple(row) not in seen:
             seen.add(tuple(row))
             yield row
@@ -91,30 +91,30 @@ def _sides(points: Sequence[Vector]) -> Iterator[Affine]:
 
 def corners(sides: Sequence[Affine], count: int) -> list[Vector]:
     """The corners of ``a . x + c >= 0`` for all sides, in so many unknowns; each once, in ascending order."""
-    found = set[tuple[fmpq, ...]]()
+    vertices = set[tuple[fmpq, ...]]()
     for chosen in combinations(sides, count):
         solved = solutions(chosen, count)
-        if solved is not None and not solved[1] and all(value(own, solved[0]) >= 0 for own in sides):
-            found.add(tuple(solved[0]))
-    return [list(own) for own in sorted(found)]
+        if solved is not None and not solved[1] and all(value(side, solved[0]) >= 0 for side in sides):
+            vertices.add(tuple(solved[0]))
+    return [list(corner) for corner in sorted(vertices)]
 
 
 def around(points: Sequence[Vector]) -> list[Vector]:
     """The corners of a polygon one after the other, from the first on: each next one bounds it."""
     first, *waiting = points
-    found = [first]
+    ordered = [first]
     while waiting:
-        last = found[-1]
-        for own in waiting:
+        last = ordered[-1]
+        for corner in waiting:
             _, sides = hull([[a - b for a, b in zip(other, last, strict=True)] for other in points])
-            step = [a - b for a, b in zip(own, last, strict=True)]
+            step = [a - b for a, b in zip(corner, last, strict=True)]
             if any(not row[-1] and not value(row, step) for row in sides):
                 break
         else:
             raise ValueError("required the corners of a polygon")
-        waiting.remove(own)
-        found.append(own)
-    return found
+        waiting.remove(corner)
+        ordered.append(corner)
+    return ordered
 
 
 def holds(points: Sequence[Vector], place: Vector) -> bool:

@@ -128,19 +128,19 @@ def _find(field: Tower, radicand: Number) -> Number | None:
     if len(inner) > _MAX_INNER:
         raise NestingError(f"required at most {_MAX_INNER} nested square roots in a scene")
     outer = [i for i in range(len(field.radicands)) if i not in inner]
-    known = [field.radicands[i] for i in outer]
-    rows: list[list[int]] = []  # one residue equation per prime: bits of the known, bit of the radicand
-    characters = _characters(field, inner, [*known, radicand])
+    radicands = [field.radicands[i] for i in outer]
+    rows: list[list[int]] = []  # one residue equation per prime: bits of those of the field, bit of the radicand
+    characters = _characters(field, inner, [*radicands, radicand])
     while True:
-        needed = len(rows) + len(known) + _SPARE_PRIMES
+        needed = len(rows) + len(radicands) + _SPARE_PRIMES
         while len(rows) < needed:
             rows.append(next(characters))
-        subset = _solve_mod_2(rows, len(known))
+        subset = _solve_mod_2(rows, len(radicands))
         if subset is None:
             return None
         product = radicand
         for k in subset:
-            product = product * known[k]
+            product = product * radicands[k]
         root = _exact_root(field, product, sorted(inner))
         if root is not None:
             for k in subset:
@@ -228,8 +228,8 @@ def _solve_mod_2(rows: list[list[int]], unknowns: int) -> list[int] | None:
     """A subset S with ``sum_{k in S} row[k] = row[-1]`` modulo 2 in every row, or None."""
     kernel, nullity = nmod_mat(rows, 2).nullspace()
     solutions = [[int(kernel[k, j]) for k in range(unknowns + 1)] for j in range(nullity)]
-    found = next((solution for solution in solutions if solution[-1]), None)
-    return None if found is None else [k for k in range(unknowns) if found[k]]
+    solution = next((solution for solution in solutions if solution[-1]), None)
+    return None if solution is None else [k for k in range(unknowns) if solution[k]]
 
 
 def _exact_root(field: Tower, value: Number, inner: list[int]) -> Number | None:

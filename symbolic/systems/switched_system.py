@@ -140,12 +140,12 @@ class Rewriting:
     @property
     def divides_by_norms(self) -> bool:
         """Whether stated formulas jump without a sign: where a norm that they divide by is zero beside the point."""
-        return any(own.kind == UNIT for own in self.norms)
+        return any(norm.kind == UNIT for norm in self.norms)
 
     @property
     def names_roots(self) -> bool:
         """Whether some of the names are of roots of sums of squares."""
-        return any(own.kind in (NORM, INVERSE) for own in self.names)
+        return any(wave.kind in (NORM, INVERSE) for wave in self.names)
 
     def stated_text(self, formula: PiecewiseExpression) -> str:
         """A formula of the states and of norms as people read it."""
@@ -189,8 +189,8 @@ class SwitchedSystem(ShortRepr):
     @property
     def members(self) -> tuple[SwitchedSystem, ...]:
         """One system for each right-hand side."""
-        own = replace(self.rewriting, waves=(), named_rhs=(), names=())
-        return tuple(replace(self, rhs=rhs, others=(), rewriting=own) for rhs in (self.rhs, *self.others))
+        rewriting = replace(self.rewriting, waves=(), named_rhs=(), names=())
+        return tuple(replace(self, rhs=rhs, others=(), rewriting=rewriting) for rhs in (self.rhs, *self.others))
 
     @property
     def stated_lists(self) -> tuple[tuple[str, ...], ...]:
@@ -241,8 +241,8 @@ class SwitchedSystem(ShortRepr):
 
     def is_zero_at_point(self, formula: PiecewiseExpression) -> bool:
         """Whether a formula of the states and of norms is zero at the checked point."""
-        point = [Polynomial.constant(self.field, self.states, own) for own in self.check.equilibrium]
-        return not any(own.polynomial(self.named(point), no_sign) for own in self.between_norms(formula))
+        point = [Polynomial.constant(self.field, self.states, coordinate) for coordinate in self.check.equilibrium]
+        return not any(end.polynomial(self.named(point), no_sign) for end in self.between_norms(formula))
 
     def between_norms(self, formula: PiecewiseExpression) -> tuple[PiecewiseExpression, ...]:
         """Formulas of the states whose hull holds one that is affine in norms, too: itself where it holds none."""
@@ -313,11 +313,11 @@ class SwitchedSystem(ShortRepr):
             SceneError: for too many patterns of signs, or where no piece is a polynomial.
         """
         values = self.coordinates() if states is None else states
-        found: dict[Polynomial, None] = {}
+        surfaces: dict[Polynomial, None] = {}
         for member in self.members if self.others else (self,):
             for k in range(len(self.rhs)):
-                found.update(dict.fromkeys(member._surfaces_of(k, values)))
-        return tuple(found)
+                surfaces.update(dict.fromkeys(member._surfaces_of(k, values)))
+        return tuple(surfaces)
 
     def _surfaces_of(self, k: int, values: Sequence[Polynomial]) -> list[Polynomial]:
         parts = (self._asked(k, part, values) for part in self.rhs[k].switching_parts)
@@ -325,7 +325,7 @@ class SwitchedSystem(ShortRepr):
 
     def _asked(self, k: int, part: PiecewiseExpression, values: Sequence[Polynomial]) -> list[Polynomial]:
         """The surfaces of which a part of a formula asks the signs."""
-        found: dict[Polynomial, None] = {}
+        surfaces: dict[Polynomial, None] = {}
         waiting: list[dict[Polynomial, int]] = [{}]
         ended, refusal = 0, None
         while waiting:
@@ -333,7 +333,7 @@ class SwitchedSystem(ShortRepr):
             try:
                 self._value(k, part, signs_by_factors(signs), values)
             except UnknownSign as unknown:
-                found[unknown.surface] = None
+                surfaces[unknown.surface] = None
                 waiting += [{**signs, unknown.surface: -1}, {**signs, unknown.surface: 1}]
                 if len(waiting) + ended > MAX_PATTERNS:
                     key, expected = f"system.rhs[{k + 1}]", "a formula with fewer switching surfaces"
@@ -346,7 +346,7 @@ class SwitchedSystem(ShortRepr):
             ended += 1
         if not ended and refusal is not None:
             raise refusal
-        return list(found)
+        return list(surfaces)
 
     def _piece(self, k: int, sign_of: SignOf, values: Sequence[Polynomial]) -> Polynomial:
         return self._value(k, self.rhs[k], sign_of, values)
@@ -527,11 +527,11 @@ def enclose_numbers(system: SwitchedSystem) -> SwitchedSystem:
             systems that are seen by roots of states.
     """
     sides = [_between(member) for member in system.members]
-    if all(len(own) == 1 for own in sides):
+    if all(len(member_sides) == 1 for member_sides in sides):
         return system
     if system.by_roots is not None:
         raise NoEnclosureError("irrational numbers beside roots of states")
-    first, *others = (side for own in sides for side in own)
+    first, *others = (side for member_sides in sides for side in member_sides)
     encloses = (*system.rewriting.encloses, Enclosed.NUMBERS)
     rewriting = replace(system.rewriting, written=system.stated_lists, encloses=encloses)
     return replace(system, rhs=first, others=tuple(others), rewriting=rewriting)
@@ -545,13 +545,13 @@ def _between(system: SwitchedSystem) -> list[tuple[PiecewiseExpression, ...]]:
         return [system.rhs]
     if count > MOST_PLACES:
         raise NoEnclosureError(f"over {MOST_PLACES} irrational numbers in a right-hand side")
-    found = []
+    lists = []
     for chosen in product((0, 1), repeat=count):
         ends = iter(chosen)
         at = [{node: bounds[next(ends)] for node, bounds in listed} for listed in places]
-        sides = [_with_bounds(side.tree, own) for side, own in zip(system.rhs, at, strict=True)]
-        found.append(tuple(_of_tree(side, system.states) for side in sides))
-    return found
+        sides = [_with_bounds(side.tree, bounds) for side, bounds in zip(system.rhs, at, strict=True)]
+        lists.append(tuple(_of_tree(side, system.states) for side in sides))
+    return lists
 
 
 def _with_bounds(tree: ast.expr, bounds: Mapping[ast.expr, Fraction]) -> ast.expr:
