@@ -103,30 +103,26 @@ def _without_translations(system: ReducedSystem) -> ReducedSystem | None:
     shifts = field.shifts(*field.velocities, *field.arguments.values())
     if len(shifts) in (0, count):
         return None
-    left_out = [_last(e) for e in shifts]
-    kept = [i for i in range(count) if i not in left_out]
+    removed = {_last(e): e for e in shifts}
+    kept = [i for i in range(count) if i not in removed]
 
     def difference(i: int, values: Sequence[ast.expr]) -> ast.expr:
-        return _collected(
-            total([values[i], *(_times(-e[i], values[p]) for p, e in zip(left_out, shifts, strict=True))])
-        )
+        return _collected(total([values[i], *(_times(-e[i], values[p]) for p, e in removed.items())]))
 
-    def moved(i: int) -> Number:
-        return sum(
-            (system.point[p] * as_fraction(-e[i]) for p, e in zip(left_out, shifts, strict=True)), system.point[i]
-        )
-
-    zeros = {system.states[p]: ZERO for p in left_out}
+    zeros = {system.states[p]: ZERO for p in removed}
     at_zero = [[tidied(with_names(side, zeros)) for side in sides] for sides in system.lists]
     lists = tuple(tuple(difference(i, sides) for i in kept) for sides in at_zero)
-    names = [ast.Name(name) for name in system.states]
-    words = [f"{system.states[i]} stands for {_text(difference(i, names))}" for i in kept if any(e[i] for e in shifts)]
-    words += [
-        f"{system.states[p]} is left out" for p, e in zip(left_out, shifts, strict=True) if sum(map(bool, e)) == 1
+    points = [
+        sum((system.point[p] * as_fraction(-e[i]) for p, e in removed.items()), start=system.point[i]) for i in kept
     ]
+    names = [ast.Name(name) for name in system.states]
+    meanings = [
+        f"{system.states[i]} stands for {_text(difference(i, names))}" for i in kept if any(e[i] for e in shifts)
+    ]
+    meanings += [f"{system.states[p]} is left out" for p, e in removed.items() if sum(map(bool, e)) == 1]
     along = " and ".join(f"({', '.join(map(str, e))})" for e in shifts)
-    said = f"velocities are the same along {along}: {', '.join(words)}"
-    return ReducedSystem(tuple(system.states[i] for i in kept), lists, tuple(map(moved, kept)), (*system.meaning, said))
+    sentence = f"velocities are the same along {along}: {', '.join(meanings)}"
+    return ReducedSystem(tuple(system.states[i] for i in kept), lists, tuple(points), (*system.meaning, sentence))
 
 
 def _without_sums(system: ReducedSystem) -> ReducedSystem | None:
@@ -142,18 +138,19 @@ def _without_sums(system: ReducedSystem) -> ReducedSystem | None:
             chosen.append(weights)
     if not chosen:
         return None
-    meanings, said = dict[str, ast.expr](), []
+    meanings, sentences = dict[str, ast.expr](), []
     for weights in chosen:
         p = _last(weights)
         products = [_times(w, ast.Name(name)) for w, name in zip(weights, system.states, strict=True)]
         value = sum((x * as_fraction(w) for w, x in zip(weights, system.point, strict=True)), system.point[p] * 0)
         others = [_times(-w, ast.Name(name)) for w, name in zip(weights[:p], system.states[:p], strict=True)]
-        meanings[system.states[p]] = total([formula_tree(str(value)), *others])
-        said.append(f"{_text(total(products))} is conserved: {system.states[p]} is {_text(meanings[system.states[p]])}")
+        last = system.states[p]
+        meanings[last] = total([formula_tree(str(value)), *others])
+        sentences.append(f"{_text(total(products))} is conserved: {last} is {_text(meanings[last])}")
     kept = [i for i, name in enumerate(system.states) if name not in meanings]
     lists = tuple(tuple(with_names(sides[i], meanings) for i in kept) for sides in system.lists)
     states, point = tuple(system.states[i] for i in kept), tuple(system.point[i] for i in kept)
-    return ReducedSystem(states, lists, point, (*system.meaning, *said))
+    return ReducedSystem(states, lists, point, (*system.meaning, *sentences))
 
 
 def _last(vector: Vector) -> int:
