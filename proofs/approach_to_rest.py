@@ -1,12 +1,13 @@
 """Evidence that solutions approach the set of equilibria: where a V that does not rise is kept nothing moves.
 
 As :mod:`nonsmooth.proofs.checker.approach` states it.  It is asked of the V that shows that a point is stable, or of
-energies: in the whole space where that is shown, else on a cube, below the level that V has at least on its border.
+energies: near the point first; where that is shown in the whole space, else on a cube, below the level that V has at
+least on its border.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from typing import TypeAlias
 
@@ -38,33 +39,50 @@ def find_approach(system: SwitchedSystem, known: Known | None = None) -> Record 
     rational = None if system.by_roots is not None else rational_subject(system)
     if rational is None:
         return None
-    radius = rational[0].check.radius
+    seen_system, subject = rational
+    radius = seen_system.check.radius
     functions = [] if known is None else [known]
-    functions += [(own, radius) for own in (*energies_within(rational[0], radius), rational[0].check.lyapunov)]
-    for hypotheses in _hypotheses(*rational, functions):
-        found = Search(WORK).tried(rational[1], "approach", hypotheses)
-        if found is not None:
-            return found[0]
+    functions += [(v, radius) for v in (*energies_within(seen_system, radius), seen_system.check.lyapunov)]
+    serving: list[Known] = []  # what holds on a cube holds on its half, which refutes most functions at once
+    for potential, half in functions:
+        if _first_shown(subject, _with_bounds(seen_system, subject, potential, half / 2)) is not None:
+            serving.append((potential, half))
+    if serving and not seen_system.rewriting.waves and are_positive_everywhere(seen_system):
+        for potential, _ in serving:
+            entry = _first_shown(subject, _in_whole_space(seen_system, subject, potential))
+            if entry is not None:
+                return entry
+    for potential, half in serving[:1]:
+        for cube in (half, half / 2):  # at the border of a largest cube V may be kept where something moves
+            entry = _first_shown(subject, _on_cube(seen_system, subject, potential, cube))
+            if entry is not None:
+                return entry
     return None
 
 
-def _hypotheses(system: SwitchedSystem, subject: System, functions: Sequence[Known]) -> Iterator[Record]:
-    """What is tried: each V in the whole space, then on its cube, and on half of it.
+def _first_shown(subject: System, several: Iterable[Record]) -> Record | None:
+    """The entry of the first hypotheses that are shown; None where none are."""
+    for hypotheses in several:
+        shown = Search(WORK).tried(subject, "approach", hypotheses)
+        if shown is not None:
+            return shown[0]
+    return None
 
-    At the border of a largest cube V may be kept where something moves.
-    """
-    if not system.rewriting.waves and are_positive_everywhere(system):
-        for potential, _ in functions:
-            for own in _with_bounds(system, subject, potential, None):
-                yield from ({**own, "proper": str(factor)} for factor in FACTORS)
-    for potential, radius in functions:
-        for half in (radius, radius / 2):
-            for own in _with_bounds(system, subject, potential, half):
-                falling = claims_about(system, potential, half)
-                region = None if falling is None else falling.largest_sublevel()
-                if region is not None:
-                    yield {**own, "level": str(region.level)}
-                yield own
+
+def _in_whole_space(system: SwitchedSystem, subject: System, potential: PiecewiseExpression) -> Iterator[Record]:
+    """A V whose level sets are bounded, by several bounds."""
+    for hypotheses in _with_bounds(system, subject, potential, None):
+        yield from ({**hypotheses, "proper": str(factor)} for factor in FACTORS)
+
+
+def _on_cube(system: SwitchedSystem, subject: System, potential: PiecewiseExpression, half: Number) -> Iterator[Record]:
+    """Below the level that V has at least on the border of a cube; then near the point."""
+    for hypotheses in _with_bounds(system, subject, potential, half):
+        falling = claims_about(system, potential, half)
+        region = None if falling is None else falling.largest_sublevel()
+        if region is not None:
+            yield {**hypotheses, "level": str(region.level)}
+        yield hypotheses
 
 
 def _with_bounds(
