@@ -136,11 +136,11 @@ def _draw_pair(axes: Axes, agreement: Agreement, first: str, second: str) -> lis
     from matplotlib.colors import to_rgba
     from matplotlib.patches import Patch
 
-    for own in agreement.partitions[first].cells:
+    for cell in agreement.partitions[first].cells:
         for other in agreement.partitions[second].cells:
-            common = clipped_by(own.polygon, other.polygon.sides)
+            common = clipped_by(cell.polygon, other.polygon.sides)
             if common is not None:
-                same = frozenset(own.twists) == frozenset(other.twists)
+                same = frozenset(cell.twists) == frozenset(other.twists)
                 corners = float_points(common.vertices)
                 axes.fill(*corners.T, facecolor=AGREE if same else DIFFER, alpha=TINT, edgecolor="none")
                 axes.fill(*corners.T, facecolor="none", edgecolor="white", linewidth=1)

@@ -370,7 +370,10 @@ def states_record(partition: Partition) -> list[Record]:
             **with_exact({"twist": state.twist}),
             "control_fields": None
             if len(state.rows) > 3
-            else [{"wheel": w, **with_exact({"field": own})} for w, own in sorted(state.control_fields.items())],
+            else [
+                {"wheel": w, **with_exact({"field": control_field})}
+                for w, control_field in sorted(state.control_fields.items())
+            ],
         }
         for state in partition.states
     ]

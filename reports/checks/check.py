@@ -338,7 +338,7 @@ def _write_certificate(certificate: dict[str, Any], result: CheckResult, file: s
     from nonsmooth.proofs.checker.theorem4 import CLAUSES
 
     check, stated, notes = result.evidence, stated_words(certificate), []
-    said = {**{name: own.verdict for name, own in check.results.items()}, "theorem 4": check.verdict}
+    said = {**{name: clause.verdict for name, clause in check.results.items()}, "theorem 4": check.verdict}
     for name in CLAUSES:
         if stated.get(name, "undecided") != said[name]:
             why = "follows no law by directions of c" if name == "feedback" else "leaves it open"

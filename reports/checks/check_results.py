@@ -648,5 +648,5 @@ def _names(group: Sequence[Failure]) -> str:
     """``wheels 1-5 stopped, 7 lifted``."""
     kinds = dict.fromkeys(failure.kind for failure in group)
     numbers = [tuple(failure.wheel for failure in group if failure.kind is kind) for kind in kinds]
-    said = ", ".join(f"{numbers_text(own)} {kind}" for own, kind in zip(numbers, kinds, strict=True))
+    said = ", ".join(f"{numbers_text(wheels)} {kind}" for wheels, kind in zip(numbers, kinds, strict=True))
     return f"wheel{'s' * (len(group) > 1)} {said}"

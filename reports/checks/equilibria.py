@@ -92,13 +92,13 @@ class EquilibriaResult(Result):
     def table(self) -> DataTable:
         """A line for each place."""
         lines = []
-        for own, (stability, by) in zip(self.found.places, self.verdicts, strict=True):
-            exact = None if own.exact is None else exact_place(own.exact)
-            error = max(float(x.rad()) for x in own.place)
-            what = own.shape or None
-            numbers = [float(x) for x in own.exact or own.place]
-            on = "; ".join(own.surfaces) or None
-            lines.append((*numbers, error, exact, str(own.kind), on, what, str(stability), by or None))
+        for place, (stability, by) in zip(self.found.places, self.verdicts, strict=True):
+            exact = None if place.exact is None else exact_place(place.exact)
+            error = max(float(x.rad()) for x in place.place)
+            what = place.shape or None
+            numbers = [float(x) for x in place.exact or place.place]
+            on = "; ".join(place.surfaces) or None
+            lines.append((*numbers, error, exact, str(place.kind), on, what, str(stability), by or None))
         names = ("error", "exact", "where", "surfaces", "shape", "stability", "by")
         return DataTable((*self.system.states, *names), lines)
 
@@ -111,16 +111,17 @@ class EquilibriaResult(Result):
 
     def _tables(self) -> list[Block]:
         rows = [
-            (_place(own), " ".join(filter(None, (own.shape, _where(own)))), f"{stability}", by)
-            for own, (stability, by) in zip(self.found.places, self.verdicts, strict=True)
+            (_place(place), " ".join(filter(None, (place.shape, _where(place)))), f"{stability}", by)
+            for place, (stability, by) in zip(self.found.places, self.verdicts, strict=True)
         ]
         blocks: list[Block] = [table(("place of rest", "what", "stability", "by"), rows)] if rows else []
         lines = [
-            (*(place_text(own, 6) for own in self._corners(part)), STRETCHES[part.kind]) for part in self._segments
+            (*(place_text(corner, 6) for corner in self._corners(part)), STRETCHES[part.kind])
+            for part in self._segments
         ]
         blocks += [table(("from", "to", "segment"), lines)] if lines else []
         areas = [
-            (", ".join(place_text(own, 6) for own in self._corners(part)), STRETCHES[part.kind])
+            (", ".join(place_text(corner, 6) for corner in self._corners(part)), STRETCHES[part.kind])
             for part in self._polytopes
         ]
         return [*blocks, table(("corners", "polytope"), areas)] if areas else blocks
@@ -140,15 +141,17 @@ class EquilibriaResult(Result):
     def _undecided(self) -> list[str]:
         """What can be asked about the first place whose stability is open."""
         open_places = (
-            own
-            for own, (stability, _) in zip(self.found.places, self.verdicts, strict=True)
+            place
+            for place, (stability, _) in zip(self.found.places, self.verdicts, strict=True)
             if stability is Translation.UNDECIDED
         )
-        for own in open_places:
-            if own.exact is None:
-                return [f"Undecided {_place(own)}: its coordinates are not simple, so only its linearization is asked."]
-            at = _place(own).strip("()").replace(" ", "")
-            return [f"Undecided {_place(own)}: nonsmooth check {quote(self.system.origin)} --at {at} says more."]
+        for place in open_places:
+            if place.exact is None:
+                return [
+                    f"Undecided {_place(place)}: its coordinates are not simple, so only its linearization is asked."
+                ]
+            at = _place(place).strip("()").replace(" ", "")
+            return [f"Undecided {_place(place)}: nonsmooth check {quote(self.system.origin)} --at {at} says more."]
         return []
 
     def summary(self) -> str:
@@ -183,7 +186,7 @@ class EquilibriaResult(Result):
         for axis, middle in zip((ax.xaxis, ax.yaxis), centre, strict=True):  # the field is drawn from the checked point
             axis.set_major_formatter(partial(_moved, middle))
         for number, part in enumerate(self._polytopes):
-            corners = np.array([[float(own) for own in corner] for corner in part.corners])
+            corners = np.array([[float(coordinate) for coordinate in corner] for corner in part.corners])
             label = "_" if number else "area of rest"
             ax.fill(*corners[ConvexHull(corners).vertices].T, color="black", alpha=0.4, zorder=4, label=label)
         for number, part in enumerate(self._segments):
@@ -191,8 +194,8 @@ class EquilibriaResult(Result):
             label = "_" if number else "stretch of rest"
             ax.plot(*ends, color="black", linewidth=5, solid_capstyle="round", zorder=5, label=label)
         shown = set[Translation]()
-        for own, (stability, _) in zip(self.found.places, self.verdicts, strict=True):
-            x, y = (float(a) - c for a, c in zip(own.place, centre, strict=True))
+        for place, (stability, _) in zip(self.found.places, self.verdicts, strict=True):
+            x, y = (float(a) - c for a, c in zip(place.place, centre, strict=True))
             style = {**MARKERS[stability], "label": "_"} if stability in shown else MARKERS[stability]
             ax.plot([x], [y], **style, linestyle="none", zorder=6)
             shown.add(stability)
@@ -213,15 +216,15 @@ def _moved(middle: float, value: float, _: int | None) -> str:
     return f"{middle + value:.4g}"
 
 
-def _place(own: EnclosedEquilibrium) -> str:
+def _place(place: EnclosedEquilibrium) -> str:
     """Coordinates, exact where they are simple."""
-    if own.exact is not None:
-        return exact_place(own.exact)
-    return place_text([float(x) for x in own.place], 9)
+    if place.exact is not None:
+        return exact_place(place.exact)
+    return place_text([float(x) for x in place.place], 9)
 
 
-def _where(own: EnclosedEquilibrium) -> str:
-    return f"{own.kind}{': ' * bool(own.surfaces)}{', '.join(own.surfaces)}"
+def _where(place: EnclosedEquilibrium) -> str:
+    return f"{place.kind}{': ' * bool(place.surfaces)}{', '.join(place.surfaces)}"
 
 
 class Equilibria(SceneStudy[Options]):
@@ -242,7 +245,7 @@ class Equilibria(SceneStudy[Options]):
         """Find them."""
         with refusals_named(scene):
             found, decided = decided_places(scene)
-        return EquilibriaResult(scene, found, tuple((own.stability, own.theorem) for own in decided))
+        return EquilibriaResult(scene, found, tuple((place.stability, place.theorem) for place in decided))
 
 
 EQUILIBRIA = Equilibria()

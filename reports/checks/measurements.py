@@ -88,11 +88,11 @@ class MeasurementResult(Result):
         ax.set(xlabel="relative error against exact or 60-digit arithmetic")
         ax.set_yticks(range(len(cases)), cases)
         for k, (label, ok) in enumerate((("ok", True), ("not ok", False))):
-            own = [(row.error, float(cases.index(row.name))) for row in rows if row.ok is ok]
+            series = [(row.error, float(cases.index(row.name))) for row in rows if row.ok is ok]
             points = [
-                (max(min(x, LARGEST), NOTHING) if math.isfinite(x) else LARGEST, y) for x, y in own if x is not None
+                (max(min(x, LARGEST), NOTHING) if math.isfinite(x) else LARGEST, y) for x, y in series if x is not None
             ]
-            _draw_series(ax, k, label, points, [(NOTHING, y) for x, y in own if x is None], NOTHING, "none")
+            _draw_series(ax, k, label, points, [(NOTHING, y) for x, y in series if x is None], NOTHING, "none")
         ax.invert_yaxis()
         _finish(ax, NOTHING)
 
@@ -331,10 +331,10 @@ def _draw_study(axes: Axes, measured: Measured, limit: float) -> None:
     axes.set_title(study.title, fontsize="medium", loc="left")
     largest = max((row.error for row in measured.rows if row.error), default=1.0)
     for k, method in enumerate(dict.fromkeys(row.method for row in measured.rows)):
-        own = [row for row in measured.rows if row.method == method]
-        points = [(max(row.error, floor), row.seconds) for row in own if row.error is not None and row.seconds]
+        rows = [row for row in measured.rows if row.method == method]
+        points = [(max(row.error, floor), row.seconds) for row in rows if row.error is not None and row.seconds]
         without = []
-        if len(points) < len(own):
+        if len(points) < len(rows):
             x, y = points[-1] if points else (max(largest, floor), limit)
             without = [(x, limit)]
             axes.plot([x, x], [y, limit], color=LINES[k % len(LINES)], linewidth=0.8, linestyle=":")

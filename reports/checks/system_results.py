@@ -254,8 +254,8 @@ class SystemCheckResult(FactResult):
     @property
     def _function(self) -> ExaminedFunction | None:
         """The function that shows stability; None where none does."""
-        functions = (own.function for own in reversed(self.evidence.findings))
-        return next((own for own in functions if own is not None and not own.grows), None)
+        functions = (finding.function for finding in reversed(self.evidence.findings))
+        return next((function for function in functions if function is not None and not function.grows), None)
 
     @property
     def lyapunov(self) -> str | None:

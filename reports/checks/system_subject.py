@@ -100,8 +100,8 @@ class SystemSubject(ReportSubject):
             return list(values_at_origin(near))
         system = self.scene.by_roots.unscaled if self.scene.by_roots else self.scene
         cells, number = build_cells(system, system.check.radius, irrational=True), system.field
-        velocities = (own for cell in adjoining(cells) for own in cell.velocities)
-        return list(dict.fromkeys(tuple(number(part.at_origin) for part in own) for own in velocities))
+        velocities = (velocity for cell in adjoining(cells) for velocity in cell.velocities)
+        return list(dict.fromkeys(tuple(number(part.at_origin) for part in velocity) for velocity in velocities))
 
     @cached_property
     def portrait(self) -> PhasePortrait:

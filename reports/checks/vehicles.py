@@ -131,7 +131,7 @@ class VehicleResult(Result):
 
     def facts(self) -> Record:
         """JSON with stable keys."""
-        vehicle, own = self.vehicle, motion_record(self.own)
+        vehicle, motion = self.vehicle, motion_record(self.own)
         known = {
             "track": vehicle.track,
             "wheel_base": vehicle.wheel_base,
@@ -145,8 +145,8 @@ class VehicleResult(Result):
             "vehicle": vehicle.name,
             "wheels": len(vehicle.scene.wheels),
             **{key: floats(value) for key, value in known.items()},
-            **own,
-            "exact": {**exact, **own["exact"]},
+            **motion,
+            "exact": {**exact, **motion["exact"]},
             "formula": self.formula,
             "rules": [
                 {"refused": str(motion)} if isinstance(motion, RefusalError) else motion_record(motion)
@@ -252,13 +252,15 @@ class VehicleResult(Result):
 
     def _wheels(self) -> Block:
         """Slips and forces of every wheel under the vehicle's own rule."""
-        own, rows = motion_record(self.own), []
-        if own["slips"] is None:
-            several = f"rule {own['rule']} allows {len(own['twists'])} twists and their mixtures: no slips are named"
+        motion, rows = motion_record(self.own), []
+        if motion["slips"] is None:
+            several = (
+                f"rule {motion['rule']} allows {len(motion['twists'])} twists and their mixtures: no slips are named"
+            )
             return Paragraph((several,))
         for k, wheel in enumerate(self.vehicle.scene.wheels):
-            force = ["-", "-"] if own["forces"] is None else map(_cell, own["forces"][k])
-            rows.append((str(wheel.index), short_text(wheel.speed), *map(_cell, own["slips"][k]), *force))
+            force = ["-", "-"] if motion["forces"] is None else map(_cell, motion["forces"][k])
+            rows.append((str(wheel.index), short_text(wheel.speed), *map(_cell, motion["slips"][k]), *force))
         header = ("wheel", "speed", "slip along", "slip across", "force along", "force across")
         return table(header, rows)
 
@@ -375,9 +377,11 @@ def _draw_turns(axes: Axes, turns: Sequence[CurvedMotion]) -> None:
     """Instant centres over the share of turning: 0 straight on, 1 in place."""
     share = [2 / np.pi * np.arctan2(turn.right - turn.left, turn.right + turn.left) for turn in turns]
     reach = 4 * max(abs(turn.left_centre or 0) for turn in turns)
-    own = [turn.icr[1] if turn.icr is not None and abs(turn.icr[1]) <= reach else None for turn in turns]
+    centres_of_rotation = [
+        turn.icr[1] if turn.icr is not None and abs(turn.icr[1]) <= reach else None for turn in turns
+    ]
     treads = {"left tread": [turn.left_centre for turn in turns], "right tread": [turn.right_centre for turn in turns]}
-    for color, (label, centres) in zip(LINES, (treads | {"vehicle": own}).items(), strict=False):
+    for color, (label, centres) in zip(LINES, (treads | {"vehicle": centres_of_rotation}).items(), strict=False):
         points = [(x, y) for x, y in zip(share, centres, strict=True) if y is not None]
         if points:
             axes.plot(*zip(*points, strict=True), marker=".", color=color, label=label)

@@ -166,7 +166,7 @@ def find_fewest(base: Mapping[str, Any], folder: Path, scene: Scene, order: int,
         told: called with the choices checked and allowed.
     """
     under = standing(scene)
-    own = evaluate(scene, wish.required, OBJECTIVES[wish.maximize])
+    given = evaluate(scene, wish.required, OBJECTIVES[wish.maximize])
     orbits = orbits_of(under, order) or tuple((k,) for k in range(len(under.wheels)))
     best: tuple[Evaluation, dict[str, Any], Scene] | None = None
     checks = undecided = 0
@@ -186,8 +186,8 @@ def find_fewest(base: Mapping[str, Any], folder: Path, scene: Scene, order: int,
     count = None if best is None else len(best[2].wheels)
     fewest = Fewest(count, undecided, checks < wish.checks or best is not None, len(orbits[0]))
     if best is None or count == len(scene.wheels):  # nothing smaller than the scene itself
-        return Design(dict(base), scene, own, own, checks, fewest=fewest)
-    return Design(best[1], best[2], best[0], own, checks, fewest=fewest)
+        return Design(dict(base), scene, given, given, checks, fewest=fewest)
+    return Design(best[1], best[2], best[0], given, checks, fewest=fewest)
 
 
 def _choices(orbits: Orbits) -> Iterator[tuple[int, ...]]:

@@ -59,8 +59,8 @@ class Freedom:
     def start(self, scene: Scene) -> list[float]:
         """The vector of the scene itself, where it has the symmetry."""
         speed = float((1 - self.slowest) / (self.fastest - self.slowest)) if self.fastest > self.slowest else 0.0
-        own = [0.5] * ("headings" in self.kinds) + [speed] * ("speeds" in self.kinds)
-        return (own + [0.5, 0.5] * ("positions" in self.kinds)) * len(self._orbits(scene))
+        middle = [0.5] * ("headings" in self.kinds) + [speed] * ("speeds" in self.kinds)
+        return (middle + [0.5, 0.5] * ("positions" in self.kinds)) * len(self._orbits(scene))
 
     def together(self, scene: Scene) -> list[list[float]]:
         """Directions of vectors in which all wheels change alike; their largest entries are one half.
@@ -87,9 +87,9 @@ class Freedom:
         most = max((abs(entry) for part in parts for entry in part), default=0.0) or 1.0
         vector: list[float] = []
         for part in parts:
-            for own in self.kinds:
-                width = 2 if own == "positions" else 1
-                vector += [entry / most / 2 for entry in part] if own == kind else [0.0] * width
+            for other in self.kinds:
+                width = 2 if other == "positions" else 1
+                vector += [entry / most / 2 for entry in part] if other == kind else [0.0] * width
         return vector
 
     def _orbits(self, scene: Scene) -> Orbits:

@@ -292,22 +292,22 @@ def find_design(
         wish: what is asked for.
         told: called with the candidates checked and allowed.
     """
-    own = evaluate(scene, wish.required, OBJECTIVES[wish.maximize])
-    impossible = _why_impossible(own, freedom, wish)
+    given = evaluate(scene, wish.required, OBJECTIVES[wish.maximize])
+    impossible = _why_impossible(given, freedom, wish)
     search = _Search(base, folder, scene, freedom, wish)
     if not impossible:
         _evolve(search, scene, freedom, wish, told)
-    if search.best is None or own.cost <= search.best[0].cost:  # nothing better than the scene itself
-        return Design(dict(base), scene, own, own, search.checks, impossible)
+    if search.best is None or given.cost <= search.best[0].cost:  # nothing better than the scene itself
+        return Design(dict(base), scene, given, given, search.checks, impossible)
     best, document, found = search.best
-    return Design(document, found, best, own, search.checks)
+    return Design(document, found, best, given, search.checks)
 
 
-def _why_impossible(own: Evaluation, freedom: Freedom, wish: Wish) -> str:
+def _why_impossible(given: Evaluation, freedom: Freedom, wish: Wish) -> str:
     """What is proved of the given scene whatever the speeds are: which twists its wheels can impose."""
-    if "pose" not in wish.required or freedom.kinds != ("speeds",) or not own.answers:
+    if "pose" not in wish.required or freedom.kinds != ("speeds",) or not given.answers:
         return ""
-    pose = own.answers[2]
+    pose = given.answers[2]
     return pose.sentence if pose.verdict is Pose.CANNOT_BE_HELD else ""
 
 

@@ -103,7 +103,7 @@ class FieldFormulas:
         x = casadi.SX.sym("x", len(self.states))
         target = Interpretation(lambda value: casadi.SX(float(value)), casadi.SX(casadi.pi), functions)
         fields, lyapunov = self.written(target, x.elements())
-        made = tuple(casadi.Function("field", [x], [casadi.vertcat(*own)], ["x"], ["dx"]) for own in fields)
+        made = tuple(casadi.Function("field", [x], [casadi.vertcat(*sides)], ["x"], ["dx"]) for sides in fields)
         return CasadiField(made, None if lyapunov is None else casadi.Function("V", [x], [lyapunov], ["x"], ["V"]))
 
     def program(self, language: str) -> str:
@@ -186,12 +186,12 @@ def _functions(formulas: FieldFormulas, target: Interpretation) -> tuple[list[tu
 def python_program(formulas: FieldFormulas) -> str:
     """A module with ``field(x)``, a list, and ``lyapunov(x)``."""
     fields, lyapunov = _functions(formulas, PYTHON)
-    used = [kind for kind in SMOOTH if any(f"{kind}(" in part for _, own in fields for part in own)]
+    used = [kind for kind in SMOOTH if any(f"{kind}(" in part for _, sides in fields for part in sides)]
     imported = ", ".join(sorted({"cos", "pi", "sin", "sqrt", *used}))
     lines = [f'"""{chr(10).join(_head(formulas))}"""', "", f"from math import {imported}  # noqa: F401"]
     lines += ["", "", "def sgn(a):", "    return float(a > 0) - float(a < 0)"]
-    for name, own in fields:
-        lines += ["", "", f"def {name}(x):", "    return [", *(f"        {part}," for part in own), "    ]"]
+    for name, sides in fields:
+        lines += ["", "", f"def {name}(x):", "    return [", *(f"        {part}," for part in sides), "    ]"]
     lines += [] if lyapunov is None else ["", "", "def lyapunov(x):", f"    return {lyapunov}"]
     return "\n".join([*lines, ""])
 
@@ -201,11 +201,11 @@ def c_program(formulas: FieldFormulas) -> str:
     fields, lyapunov = _functions(formulas, C)
     count = len(formulas.states)
     lines = [f"/* {f' */{chr(10)}/* '.join(_head(formulas))} */", "", "#include <math.h>", ""]
-    if any("sgn(" in part for part in (lyapunov or "", *(part for _, own in fields for part in own))):
+    if any("sgn(" in part for part in (lyapunov or "", *(part for _, sides in fields for part in sides))):
         lines += ["static double sgn(double a) { return (a > 0) - (a < 0); }"]
-    for name, own in fields:
+    for name, sides in fields:
         lines += ["", f"void {name}(const double x[{count}], double dx[{count}])", "{"]
-        lines += [*(f"    dx[{k}] = {part};" for k, part in enumerate(own)), "}"]
+        lines += [*(f"    dx[{k}] = {part};" for k, part in enumerate(sides)), "}"]
     if lyapunov is not None:
         lines += ["", f"double lyapunov(const double x[{count}])", "{", f"    return {lyapunov};", "}"]
     return "\n".join([*lines, ""])

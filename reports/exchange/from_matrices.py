@@ -120,7 +120,7 @@ def on_cones(modes: Rows, cones: Any, names: Sequence[str], reading: Reading) ->
     listed = list(cones)
     if len(listed) != len(modes) or listed[-1] is not None or any(cone is None for cone in listed[:-1]):
         expected = f"{len(modes)} cones, one for each matrix, the last one None: it holds everywhere else"
-        raise reading.refused("cones", expected, f"{['None' if own is None else 'a matrix' for own in listed]}")
+        raise reading.refused("cones", expected, f"{['None' if cone is None else 'a matrix' for cone in listed]}")
     truths = []
     for i, cone in enumerate(listed[:-1], 1):
         rows = matrix(cone, f"cones[{i}]", reading)
@@ -208,7 +208,7 @@ def _feedback(plant: Any, nonlinearity: Any, limit: Any, names: Sequence[str], r
     limits = list(limit) if isinstance(limit, list | tuple) else [limit] * len(outputs)
     if not len(kinds) == len(limits) == len(outputs):
         raise reading.refused("nonlinearity", f"{len(outputs)}, with their limits", f"{len(kinds)}, {len(limits)}")
-    return [_phi(*own, reading) for own in zip(outputs, kinds, limits, strict=True)]
+    return [_phi(*loop, reading) for loop in zip(outputs, kinds, limits, strict=True)]
 
 
 def _phi(output: str, kind: Any, limit: Any, reading: Reading) -> str:

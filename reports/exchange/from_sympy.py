@@ -239,9 +239,9 @@ def formulas_of_nosnoc(states: Any, c: Any, signs: Any, fields: Any, reading: Re
     triples = list(zip(c, signs, fields, strict=True)) if several else [(c, signs, fields)]
     names: list[str] = []
     sums: list[list[str]] = []
-    for surfaces, own, columns in triples:
+    for surfaces, sign_rows, columns in triples:
         names, switching = _formulas(states, surfaces, "c", reading)
-        rows = [list(map(int, row)) for row in _checked_signs(own, len(switching), reading)]
+        rows = [list(map(int, row)) for row in _checked_signs(sign_rows, len(switching), reading)]
         flat, count = _flat(columns, len(names), len(rows), reading)
         _, written = _formulas(states, flat, "F", reading)
         table = [written[k * count : (k + 1) * count] for k in range(len(names))]

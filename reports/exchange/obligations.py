@@ -75,7 +75,7 @@ class _Noted(Proofs):
     def claims(self) -> list[Claim]:
         """All claims; those about parts say so in their names."""
         parts = enumerate(self.parts, 1)
-        return self.own + [replace(own, name=f"part {k}: {own.name}") for k, part in parts for own in part.claims]
+        return self.own + [replace(claim, name=f"part {k}: {claim.name}") for k, part in parts for claim in part.claims]
 
 
 def obligations_of(certificate: Mapping[str, Any], source: str) -> list[Obligation]:
@@ -100,7 +100,7 @@ def obligations_of(certificate: Mapping[str, Any], source: str) -> list[Obligati
         proofs = _Noted(entry["proofs"])
         THEOREMS[entry["theorem"]](subject, entry["hypotheses"], proofs)
         theorem = f"{number} {entry['theorem']}"
-        found += [own for claim in proofs.claims for own in _of_claim(claim, theorem)]
+        found += [obligation for claim in proofs.claims for obligation in _of_claim(claim, theorem)]
     if not found:
         expected = "a verdict that rests on inequalities between polynomials"
         theorems = ", ".join(entry["theorem"] for entry in data["evidence"])
@@ -118,10 +118,10 @@ def _of_claim(claim: Claim, theorem: str) -> Iterator[Obligation]:
     if claim.inequalities[0].pushes:
         yield _with_weights(claim, name)
         return
-    for number, own in enumerate(claim.inequalities, 1):
-        hypotheses = _held(own, claim)
+    for number, inequality in enumerate(claim.inequalities, 1):
+        hypotheses = _held(inequality, claim)
         marked = name if len(claim.inequalities) == 1 else f"{name} [{number}]"
-        yield _obligation(claim, marked, (), hypotheses, term(own.value), _border([own], claim))
+        yield _obligation(claim, marked, (), hypotheses, term(inequality.value), _border([inequality], claim))
 
 
 def _with_weights(claim: Claim, name: str) -> Obligation:
@@ -129,14 +129,14 @@ def _with_weights(claim: Claim, name: str) -> Obligation:
     weights = [f"w{i}" for i in range(len(claim.inequalities))]
     hypotheses: list[Term] = [(">=", weight, ZERO) for weight in weights]
     hypotheses.append(("=", _joined("+", weights), Fraction(1)))
-    for weight, own in zip(weights, claim.inequalities, strict=True):
-        held = dict.fromkeys(_held(own, claim))
+    for weight, inequality in zip(weights, claim.inequalities, strict=True):
+        held = dict.fromkeys(_held(inequality, claim))
         if held:
             hypotheses.append(("or", ("=", weight, ZERO), _joined("and", held)))
-    multiplied = [(*own.pushes, *own.weak) for own in claim.inequalities]  # by functions mu
+    multiplied = [(*inequality.pushes, *inequality.weak) for inequality in claim.inequalities]  # by functions mu
     for column in zip(*multiplied, strict=True):
         hypotheses.append(("=", _mixed(weights, column), ZERO))
-    total = _mixed(weights, [own.value for own in claim.inequalities])
+    total = _mixed(weights, [inequality.value for inequality in claim.inequalities])
     return _obligation(claim, name, weights, hypotheses, total, _border(claim.inequalities, claim))
 
 
@@ -145,16 +145,21 @@ def _mixed(weights: Sequence[str], values: Sequence[Polynomial]) -> Term:
     return _joined("+", (("*", weight, term(value)) for weight, value in zip(weights, values, strict=True)))
 
 
-def _held(own: Inequality, claim: Claim) -> list[Term]:
+def _held(inequality: Inequality, claim: Claim) -> list[Term]:
     """Guards, positive where they are open and nothing strict is claimed, else at least zero; and what is zero."""
-    signs = ((">" if name in own.open and not claim.strict else ">=", guard) for name, guard in own.guards.items())
-    zeros = (("=", zero) for zero in own.zeros.values())
+    signs = (
+        (">" if name in inequality.open and not claim.strict else ">=", guard)
+        for name, guard in inequality.guards.items()
+    )
+    zeros = (("=", zero) for zero in inequality.zeros.values())
     return [(sign, term(polynomial), ZERO) for sign, polynomial in (*signs, *zeros)]
 
 
 def _border(inequalities: Sequence[Inequality], claim: Claim) -> Term | None:
     """The guard whose zeros nothing strict is claimed at."""
-    found = next((own.guards[claim.border] for own in inequalities if claim.border in own.guards), None)
+    found = next(
+        (inequality.guards[claim.border] for inequality in inequalities if claim.border in inequality.guards), None
+    )
     return None if found is None else term(found)
 
 
@@ -249,13 +254,13 @@ def keymaerax_text(obligations: Sequence[Obligation], head: Sequence[str]) -> st
     """
     lines = ["/*", *(f" * {_comment(line)}".rstrip() for line in head)]
     lines += [" *", f" * {len(obligations)} theorems: the verdict is proved again where QE proves each.", " */"]
-    for number, own in enumerate(obligations, 1):
-        title = _comment(f"{number} of {len(obligations)}, {own.name}").replace('"', "'")
+    for number, obligation in enumerate(obligations, 1):
+        title = _comment(f"{number} of {len(obligations)}, {obligation.name}").replace('"', "'")
         lines += ["", f'Theorem "{title}"', "", "ProgramVariables"]
-        lines += [f"  Real {name};" for name in own.variables]
+        lines += [f"  Real {name};" for name in obligation.variables]
         lines += ["End.", "", "Problem"]
-        lines += ["  " + "\n  & ".join(map(kyx_term, own.hypotheses))] if own.hypotheses else ["  true"]
-        lines += ["  ->", f"  {kyx_term(own.conclusion)}", "End.", ""]
+        lines += ["  " + "\n  & ".join(map(kyx_term, obligation.hypotheses))] if obligation.hypotheses else ["  true"]
+        lines += ["  ->", f"  {kyx_term(obligation.conclusion)}", "End.", ""]
         lines += [f'Tactic "{title}: Proof"', "  QE", "End.", "", "End."]
     return "\n".join([*lines, ""])
 
@@ -301,11 +306,11 @@ def smtlib_text(obligations: Sequence[Obligation], head: Sequence[str]) -> str:
         "; z3 FILE; cvc5 --incremental FILE",
         "(set-logic QF_NRA)",
     ]
-    for number, own in enumerate(obligations, 1):
-        lines += ["", f"; query {number}: {one_line(own.name)}", "(push 1)"]
-        lines += [f"(declare-const {name} Real)" for name in own.variables]
-        lines += [f"(assert {smt_term(hypothesis)})" for hypothesis in own.hypotheses]
-        lines += [f"(assert (not {smt_term(own.conclusion)}))", "(check-sat)", "(pop 1)"]
+    for number, obligation in enumerate(obligations, 1):
+        lines += ["", f"; query {number}: {one_line(obligation.name)}", "(push 1)"]
+        lines += [f"(declare-const {name} Real)" for name in obligation.variables]
+        lines += [f"(assert {smt_term(hypothesis)})" for hypothesis in obligation.hypotheses]
+        lines += [f"(assert (not {smt_term(obligation.conclusion)}))", "(check-sat)", "(pop 1)"]
     return "\n".join([*lines, "(exit)", ""])
 
 

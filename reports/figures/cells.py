@@ -417,9 +417,9 @@ def draw_triangles(axes: Axes, basin: CertifiedBasin, at: XY = (0.0, 0.0)) -> No
     x, y = (basin.corners[:, :2] + at).T
     axes.triplot(x, y, basin.simplices, color=MESH, linewidth=0.3)
     axes.plot(*_closed(basin.border + at), color=BORDER, linewidth=2.0, label="certified region")
-    for own in basin.never:
-        outer = _passed(own) + np.array([at]).T
-        label = "from beyond no start comes" if own is basin.never[0] else None
+    for barrier in basin.never:
+        outer = _passed(barrier) + np.array([at]).T
+        label = "from beyond no start comes" if barrier is basin.never[0] else None
         axes.plot(*outer, "--", color=OUTER, linewidth=1.5, label=label)
     axes.plot(*at, "o", color=INK, markersize=5)
     if basin.saddles:  # lines beside them have no end
@@ -442,7 +442,7 @@ def _passed(hypotheses: dict[str, Any]) -> Floats:
     ring = ring_of(hypotheses)
     if "ends" not in hypotheses:
         return _closed(ring)
-    first, last = np.array([place_of(own) for own in hypotheses["ends"]]) * np.abs(ring).max() / 4
+    first, last = np.array([place_of(end) for end in hypotheses["ends"]]) * np.abs(ring).max() / 4
     return np.concatenate([[ring[0] + first], ring, [ring[-1] + last]]).T
 
 

@@ -156,8 +156,8 @@ class DrivenLoop:
     def speeds(self, pose: Sequence[float]) -> list[float]:
         """The speeds of all wheels for a pose measured from the checked point."""
         x, y, theta = pose_in_floats(pose)
-        own = np.array([x / self.length, y / self.length, theta])
-        return [float(speed) * self.length for speed in self.held.speeds(own)]
+        pose_in_lengths = np.array([x / self.length, y / self.length, theta])
+        return [float(speed) * self.length for speed in self.held.speeds(pose_in_lengths)]
 
     def value(self, pose: Sequence[float]) -> float:
         """V of a pose measured from the checked point."""
@@ -167,17 +167,17 @@ class DrivenLoop:
     @cached_property
     def cones(self) -> tuple[ImposedMotions, ...]:
         """The law in floats, with l for the unit of length."""
-        own = in_own_length(self.scene)
-        return tuple(self._cone(own, cone) for cone in self.feedback.cones)
+        scene = in_own_length(self.scene)
+        return tuple(self._cone(scene, cone) for cone in self.feedback.cones)
 
-    def _cone(self, own: Scene, cone: LawCone) -> ImposedMotions:
+    def _cone(self, scene: Scene, cone: LawCone) -> ImposedMotions:
         rays = None if cone.rays is None else (np.array(cone.rays[0], float), np.array(cone.rays[1], float))
         twists = np.array([imposed.twist for imposed in cone.twists], float)
-        speeds = np.array([rim_speeds(own, imposed) for imposed in cone.twists])
-        rule = rule_of(own)
+        speeds = np.array([rim_speeds(scene, imposed) for imposed in cone.twists])
+        rule = rule_of(scene)
         if not isinstance(rule, SmoothRule):
             return ImposedMotions(rays, twists, tuple(_constant(twist) for twist in twists), speeds)
-        model = contacts_under(rule, own)
+        model = contacts_under(rule, scene)
         return ImposedMotions(rays, twists, tuple(_minimizing(model, targets) for targets in speeds), speeds)
 
     def follow(self, start: Sequence[float], until: float) -> Trajectory:
@@ -190,8 +190,8 @@ class DrivenLoop:
         x, y, theta = start
         if self._is_sampled_outside(x, y):
             raise TrajectoryError(OUTSIDE)
-        own = (x / self.length, y / self.length, theta)
-        path = self._within_reach(self._followed(own, until).in_lengths(self.length))
+        start_in_lengths = (x / self.length, y / self.length, theta)
+        path = self._within_reach(self._followed(start_in_lengths, until).in_lengths(self.length))
         self._refuse_contradiction(path)
         return path
 
@@ -211,15 +211,15 @@ class DrivenLoop:
         end = End(float(kept[0][-1]), kept[1][-1], EndReason.UNPROVED, OUTSIDE)
         return replace(path, sampled=kept, end=end)
 
-    def _followed(self, own: Pose, until: float) -> Trajectory:
+    def _followed(self, start: Pose, until: float) -> Trajectory:
         """The path, with l for the unit of length."""
         if self.is_sampled:
-            return follow_held(self.held, own, until, self.errors)
-        field = driven_field(self.cones, max(map(abs, own)), self.gain)
+            return follow_held(self.held, start, until, self.errors)
+        field = driven_field(self.cones, max(map(abs, start)), self.gain)
         if self.is_smooth:
             stepper = StiffAware(TOLERANCE, TOLERANCE * field.size, field.size)
-            return follow_smooth(field, own, until, stepper=stepper)
-        return follow_smooth(field, own, until)
+            return follow_smooth(field, start, until, stepper=stepper)
+        return follow_smooth(field, start, until)
 
     def _refuse_contradiction(self, path: Trajectory) -> None:
         """Within the certified region V falls; outside of it a path that leaves the reach is none of this law."""

@@ -93,14 +93,14 @@ class FeedbackLoop:
     @property
     def status(self) -> str:
         """Whether the clause certifies the law, in words."""
-        own = certified_law(self.feedback)
+        certified = certified_law(self.feedback)
         if self.is_certified:
             return "certified by the feedback clause"
-        if own is None:
+        if certified is None:
             return f"not certified (the feedback clause: {self.feedback.verdict})"
-        if own is self.law:
+        if certified is self.law:
             return f"not certified under {self.kinematics} kinematics"
-        return f"not certified (the feedback clause certifies the {own} law)"
+        return f"not certified (the feedback clause certifies the {certified} law)"
 
     @property
     def name(self) -> str:
@@ -186,13 +186,13 @@ class FeedbackLoop:
         wanted = {f"cell {cell.index}": law(cell.states[0]) for cell in partition.cells} if self.limits else {}
         return with_saturation(path, wanted, self.limits)
 
-    def _law_in(self, partition: Partition, own: StateLaw) -> StateLaw:
+    def _law_in(self, partition: Partition, law_of_state: StateLaw) -> StateLaw:
         """A law of poses in the scene's own coordinates."""
         x, y = partition.scene.check.place
         centred = {state.name: state for cell in self.partition.cells for state in cell.states}
 
         def law(state: ContactState) -> Speeds:
-            speeds = own(centred[state.name])
+            speeds = law_of_state(centred[state.name])
 
             def shifted(pose: Pose) -> Mapping[int, float]:
                 return speeds((float(pose[0]) - x, float(pose[1]) - y, float(pose[2])))
@@ -280,13 +280,13 @@ def build_loop(
     scene = partition.scene
     centred = partition if scene.recentred() == scene else build_partition(scene.recentred())
     feedback = decide_feedback(centred) if feedback is None else feedback
-    own = certified_law(feedback)
+    certified = certified_law(feedback)
     if law is not LawName.CERTIFIED:
         return FeedbackLoop(centred, feedback, law, kinematics, gain)
     required = "--feedback: required an array with a certified law, or one named by --law"
-    if own is None:
+    if certified is None:
         raise ValueError(f"{required}; the feedback clause says {feedback.verdict}: {feedback.reason}")
     lacking = uncertified_kinematics(feedback, kinematics)
     if lacking:
         raise ValueError(f"{required}, received --kinematics {kinematics}: {lacking}")
-    return FeedbackLoop(centred, feedback, own, kinematics, gain)
+    return FeedbackLoop(centred, feedback, certified, kinematics, gain)

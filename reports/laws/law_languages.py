@@ -238,8 +238,8 @@ def _padded(tables: Sequence[Sequence[Sequence[float]]], width: int) -> list[lis
     """Tables of one height, at least one, and one width."""
     height = max(1, *(len(table) for table in tables))
     padded = []
-    for own in tables:
-        rows = [[*row, *[0.0] * (width - len(row))] for row in own]
+    for entries in tables:
+        rows = [[*row, *[0.0] * (width - len(row))] for row in entries]
         padded.append([*rows, *[[0.0] * width] * (height - len(rows))])
     return padded
 

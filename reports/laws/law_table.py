@@ -194,8 +194,8 @@ def law_table(check: Check, name: LawName = LawName.CERTIFIED) -> LawTable:
 
 def _driven(scene: Scene, feedback: DrivenFeedback) -> LawTable:
     """The law of three imposed twists of rules ``box``, ``ellipse`` and ``roller``."""
-    own = in_own_length(scene)
-    cones = tuple(_cone(own, cone, feedback) for cone in feedback.cones)
+    scaled = in_own_length(scene)
+    cones = tuple(_cone(scaled, cone, feedback) for cone in feedback.cones)
     table = LawTable(scene, LawKind.DRIVEN, cones, {"w": float(feedback.length) ** 2}, feedback.law or "")
     table = replace(table, certified=_reach_text(feedback), rate=_rate_text(feedback, scene))
     return replace(table, effort=_effort_by_v(table, feedback, scene), gains=_gains_text(feedback, scene))
@@ -317,10 +317,10 @@ def _region(cell: Cell, speeds: Mapping[int, Coefficients], axes: tuple[Coeffici
     return LawRegion(f"cell {cell.index}", f"corners {', '.join(corners)}", sides, speeds, axes, vertices)
 
 
-def _cone(own: Scene, cone: LawCone, feedback: DrivenFeedback) -> LawRegion:
+def _cone(scene: Scene, cone: LawCone, feedback: DrivenFeedback) -> LawRegion:
     """The twists of a cone in the scene's unit, and the speeds that impose each."""
-    columns = [rim_speeds(own, imposed) for imposed in cone.twists]
-    speeds = {wheel.index: tuple(column[k] for column in columns) for k, wheel in enumerate(own.wheels)}
+    columns = [rim_speeds(scene, imposed) for imposed in cone.twists]
+    speeds = {wheel.index: tuple(column[k] for column in columns) for k, wheel in enumerate(scene.wheels)}
     twists = tuple(floats(in_scene(imposed.twist, feedback.length)) for imposed in cone.twists)
     if cone.rays is None:
         return LawRegion("all directions", "everywhere", (), speeds, twists)

@@ -123,13 +123,13 @@ def _numbers_of(scene: Scene) -> Iterator[tuple[str, Number]]:
     from nonsmooth.symbolic.mechanics.scene import LoadTable
 
     for wheel in scene.wheels:
-        own = f"wheel[{wheel.index:d}]"
+        key = f"wheel[{wheel.index:d}]"
         for name, value in (("mu_roll", wheel.friction.roll), ("mu_side", wheel.friction.side)):
-            yield f"{own if name in wheel.named else 'friction'}.{name}", value
-        yield from ((f"{own}.position", entry) for entry in wheel.position)
-        yield f"{own}.speed", wheel.speed
+            yield f"{key if name in wheel.named else 'friction'}.{name}", value
+        yield from ((f"{key}.position", entry) for entry in wheel.position)
+        yield f"{key}.speed", wheel.speed
         if wheel.speed_limit is not None:
-            yield f"{own if 'speed_limit' in wheel.named else 'drive'}.speed_limit", wheel.speed_limit
+            yield f"{key if 'speed_limit' in wheel.named else 'drive'}.speed_limit", wheel.speed_limit
     yield from (("check.equilibrium", entry) for entry in scene.check.equilibrium)
     yield "check.radius", scene.check.radius
     yield "check.length", scene.field(scene.check.length)

@@ -57,9 +57,9 @@ class Options:
             ValueError: for a name that is none, and for what is no number; it begins with the keyword.
         """
         hints = get_type_hints(type(self))
-        for name, own in options_of(type(self)).items():
+        for name, option in options_of(type(self)).items():
             value = getattr(self, name)
-            if not (isinstance(value, str) and own.typed is str):  # which is read later, as on the command line
+            if not (isinstance(value, str) and option.typed is str):  # which is read later, as on the command line
                 object.__setattr__(self, name, read_keyword(name, hints[name], value))
 
 
@@ -104,15 +104,15 @@ def options_of(options: type[Options]) -> dict[str, OfferedOption]:
     return {entry.name: entry.metadata["option"] for entry in fields(options) if "option" in entry.metadata}
 
 
-def flag_of(name: str, own: OfferedOption) -> str:
+def flag_of(name: str, option: OfferedOption) -> str:
     """How an option is called on the command line."""
-    return own.flag.rpartition(" ")[2] or f"--{name.replace('_', '-')}"
+    return option.flag.rpartition(" ")[2] or f"--{name.replace('_', '-')}"
 
 
 def types_of(options: type[Options]) -> dict[str, Any]:
     """What the command line reads for each option."""
     hints = get_type_hints(options)
-    return {name: own.typed or hints[name] for name, own in options_of(options).items()}
+    return {name: option.typed or hints[name] for name, option in options_of(options).items()}
 
 
 # ---- arguments that commands share, and what the shell completes ---------------------------------

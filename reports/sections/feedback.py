@@ -142,13 +142,13 @@ def _weight_block(feedback: DrivenFeedback, scene: Scene) -> Block:
     return paragraph("With `w` = {}, the square of the length {}:", number(weight), number(length))
 
 
-def _twist_rows(cone: LawCone, own: Scene, feedback: DrivenFeedback) -> list[tuple[Entry, ...]]:
+def _twist_rows(cone: LawCone, scaled: Scene, feedback: DrivenFeedback) -> list[tuple[Entry, ...]]:
     directions = "all"
     if cone.rays is not None:
         start, end = (_degrees(ray) for ray in cone.rays)
         directions = f"{float_text(start, 4)} to {float_text(end if end > start else end + 360, 4)} degrees"
     return [
-        (directions, _decimals(in_scene(imposed.twist, feedback.length)), _decimals(rim_speeds(own, imposed)))
+        (directions, _decimals(in_scene(imposed.twist, feedback.length)), _decimals(rim_speeds(scaled, imposed)))
         for imposed in cone.twists
     ]
 

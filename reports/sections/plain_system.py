@@ -185,7 +185,9 @@ def cells_section(subject: SystemSubject) -> Section:
     rated = subject.scene.stated_states if subject.result.is_in_time_of_states else states
     like = "the states" if rated == states else "the roots and states"
     surfaces = [polynomial_math(surface, states) for surface in cells.surfaces]
-    named = [(Math(f"s_{{{k}}} = {own.latex}", f"s_{k} = {own.plain}"),) for k, own in enumerate(surfaces, 1)]
+    named = [
+        (Math(f"s_{{{k}}} = {surface.latex}", f"s_{k} = {surface.plain}"),) for k, surface in enumerate(surfaces, 1)
+    ]
     curved = any(surface.degree > 1 for surface in cells.surfaces)
     words = paragraph(
         f"Rates are written in the displacement from the point, whose entries are called like {like}. {{}}",
@@ -352,8 +354,8 @@ def _meaning(subject: SystemSubject, shown: ExaminedFunction) -> str:
 
 def _shown_claims(shown: ExaminedLyapunov) -> Iterator[list[Entry]]:
     """How many inequalities of each kind are shown by each kind of evidence."""
-    found = ((own.claim.name, own.found) for own in shown.asked if own.found is not None)
-    return _counted((name, own.strict, own.evidence) for name, own in found)
+    found = ((claim.claim.name, claim.found) for claim in shown.asked if claim.found is not None)
+    return _counted((name, proof.strict, proof.evidence) for name, proof in found)
 
 
 def _counted(shown: Iterable[tuple[str, bool, Mapping[str, Any]]]) -> Iterator[list[Entry]]:
@@ -423,9 +425,9 @@ def parts_section(subject: SystemSubject) -> Section:
     found = subject.result.deciding
     parts: Parts = found.proofs
     rows: list[list[Entry]] = []
-    for own in parts.results:
-        function = "" if own.function is None else brief_function(own.function)
-        rows.append([names_of(own.scene.stated_states), str(own.verdict), own.reason, function])
+    for part in parts.results:
+        function = "" if part.function is None else brief_function(part.function)
+        rows.append([names_of(part.scene.stated_states), str(part.verdict), part.reason, function])
     words = paragraph(
         "The verdict follows from these parts by theorem {}; each is decided by itself:", str(found.theorem)
     )

@@ -313,8 +313,8 @@ def _under_imposed_twists(scene: Scene, options: SimulateOptions, law: LawName) 
         edge = tipping_edge(standing(scene), frozenset(range(len(centred.wheels))), np.array(options.pose))
         said = f"required centres of mass inside the support polygon, received {place_text((start_x, start_y))}"
         raise LoadError(f"{said}: the body tips there {edge}")
-    own = _until_other_wheels(loop, own_start, options.last)
-    return DrivenPath(scene, own.shifted(x, y), loop=loop, own=own)
+    centred_path = _until_other_wheels(loop, own_start, options.last)
+    return DrivenPath(scene, centred_path.shifted(x, y), loop=loop, own=centred_path)
 
 
 def _until_other_wheels(loop: DrivenLoop, start: Pose, until: float) -> Trajectory:

@@ -103,13 +103,13 @@ class HeadingsResult(Result):
 
     def _arc(self, group: list[int]) -> HeadingArc:
         count = len(self.found.starts)
-        own = np.array(group) % count
+        numbers = np.array(group) % count
         turns = 2 * math.pi * (np.array(group) // count)
-        begins = self.found.starts[own, 2] + turns
-        first, last, reason = float(begins[0]), float(begins[-1]), ENDS[self.found.reasons[own[0]]]
-        if not self._stands(int(own[0])):
+        begins = self.found.starts[numbers, 2] + turns
+        first, last, reason = float(begins[0]), float(begins[-1]), ENDS[self.found.reasons[numbers[0]]]
+        if not self._stands(int(numbers[0])):
             return HeadingArc(first, last, len(group), reason, None, False, None)
-        ends = self.found.poses[own]
+        ends = self.found.poses[numbers]
         middle = (first + last) / 2
         headings = middle + turned_heading(ends[:, 2] - middle)
         heading = float(np.median(headings))

@@ -243,7 +243,7 @@ class SettleMapResult(ArrayMap):
         kinds: dict[str, list[int]] = {}
         for k, (reason, place) in enumerate(self.found.ends):
             kinds.setdefault(f"{reason.value}: {place}" if reason in PLACED else reason.value, []).append(k)
-        basins = [Basin(text, tuple(own), sum(self.found.shares[k] for k in own)) for text, own in kinds.items()]
+        basins = [Basin(text, tuple(ends), sum(self.found.shares[k] for k in ends)) for text, ends in kinds.items()]
         return sorted(basins, key=lambda basin: -basin.share)
 
     @property

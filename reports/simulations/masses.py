@@ -186,7 +186,9 @@ class MassResult(Result):
         """One line per mass and rule; mass 0 stands for the path of the rule that is the limit."""
         found = [(row.body.mass, distance) for row in self.study.rows for distance in row.distances]
         found += [(0.0, limit) for limit in self.study.limits or ()]
-        lines = [(mass, own.rule, own.position, own.rotation, own.until) for mass, own in found]
+        lines = [
+            (mass, distance.rule, distance.position, distance.rotation, distance.until) for mass, distance in found
+        ]
         return DataTable(("mass", "rule", "position", "rotation", "until"), lines)
 
     def summary(self) -> str:
@@ -215,9 +217,10 @@ class MassResult(Result):
 
     def _notes(self) -> Iterable[str]:
         """Which paths were compared for a shorter time, and which not at all."""
-        for own in self.study.rows[0].distances:
-            if own.until < self.study.until:
-                yield f"rule {own.rule}: compared until t = {own.until:.6g}, where a path leaves the square or tips"
+        for distance in self.study.rows[0].distances:
+            if distance.until < self.study.until:
+                until = f"t = {distance.until:.6g}"
+                yield f"rule {distance.rule}: compared until {until}, where a path leaves the square or tips"
         if self.study.limits is None:
             rule = self.limit
             yield f"rule {rule}: its path slides along an edge, where light bodies move otherwise: no limit is stated"

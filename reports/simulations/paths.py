@@ -353,8 +353,8 @@ class ArrayPath(PathResult):
     def ending(self) -> tuple[Record, str]:
         """How far from the point, at which heading, and whether it rests there."""
         end = ArrayPathEnd(self.scene, self.trajectory)
-        own = "without inertia: " if self.heavy is not None else ""
-        return end.record(), own + end.words()
+        assumption = "without inertia: " if self.heavy is not None else ""
+        return end.record(), assumption + end.words()
 
     def beside(self) -> Sequence[str]:
         """What becomes of a body with inertia."""
@@ -369,10 +369,10 @@ class ArrayPath(PathResult):
 
     def facts(self) -> Record:
         """The record of the trajectory, and what becomes of a body with inertia; there is no law."""
-        own: Record = super().facts() | {"law": None, "speeds": None}
+        record: Record = super().facts() | {"law": None, "speeds": None}
         if isinstance(self.heavy, Settled):
-            own["inertia"] = settled_record(self.scene, self.heavy)
-        return own
+            record["inertia"] = settled_record(self.scene, self.heavy)
+        return record
 
     def head(self) -> Sequence[str]:
         """The kinematics and the method."""

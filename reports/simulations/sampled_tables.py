@@ -212,8 +212,10 @@ def draw_tables(scene: Scene, options: SimulateOptions) -> SampledTablesResult:
             scene.origin, "tolerance", "tolerances of wheels, under rule ellipse or roller", StatedFact(refused)
         )
     names = scene.tolerances.names
-    groups = [own for group in (FRICTION, GEOMETRY) if len(own := [name for name in group if name in names]) > 1]
-    if any(len(own) == len(names) for own in groups):
+    groups = [
+        members for group in (FRICTION, GEOMETRY) if len(members := [name for name in group if name in names]) > 1
+    ]
+    if any(len(members) == len(names) for members in groups):
         groups = []
 
     def drawn(chosen: Sequence[str]) -> SampledTables:

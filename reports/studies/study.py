@@ -57,8 +57,8 @@ class StudyRequest(Generic[Chosen]):
         """
         for name in self.given:
             if name in names:
-                own = options_of(type(self.options)).get(name)
-                flag = f"--{name.replace('_', '-')}" if own is None else flag_of(name, own)
+                option = options_of(type(self.options)).get(name)
+                flag = f"--{name.replace('_', '-')}" if option is None else flag_of(name, option)
                 raise OptionError(f"{flag}: required {required}, received {received}")
 
 
@@ -129,9 +129,11 @@ def takes(options: type[Options], *headings: str) -> Callable[[Method], Method]:
     """
 
     def listed(method: Method) -> Method:
-        own = inspect.signature(method)
-        named = [parameter for parameter in own.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD]
-        rest = [parameter for parameter in own.parameters.values() if parameter.kind is parameter.VAR_KEYWORD]
+        signature = inspect.signature(method)
+        named = [
+            parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD
+        ]
+        rest = [parameter for parameter in signature.parameters.values() if parameter.kind is parameter.VAR_KEYWORD]
         taken = {parameter.name for parameter in named}
         lines = []
         for entry in fields(options):
@@ -141,7 +143,7 @@ def takes(options: type[Options], *headings: str) -> Callable[[Method], Method]:
             keyword = inspect.Parameter(entry.name, inspect.Parameter.KEYWORD_ONLY, default=entry.default)
             named.append(keyword)
             lines.append(f"            {entry.name}: {in_keywords(offered.help)}")
-        method.__signature__ = own.replace(parameters=[*named, *rest])  # type: ignore[attr-defined]
+        method.__signature__ = signature.replace(parameters=[*named, *rest])  # type: ignore[attr-defined]
         method.__doc__ = "\n".join([method.__doc__ or "", "        Keywords:", *lines])
         return method
 

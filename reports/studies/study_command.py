@@ -45,8 +45,8 @@ def _run_command(study: SceneStudy[Any], context: Any, scene: Any, given: dict[s
 
     json = given.pop("json")
     output = given.pop("output", None) if study.files else None
-    own = options_of(study.options)
-    options = study.options(**{name: _meant(own[name], given[name]) for name in own})
+    offered_options = options_of(study.options)
+    options = study.options(**{name: _meant(offered_options[name], given[name]) for name in offered_options})
     path = None if output is None else output_path(output, study.endings(options))
     options = study.settled(options, path)
     _require_other_files(scene, [output, *(given.get(name) for name in OUTPUTS)])
@@ -98,9 +98,9 @@ def _is_typed(context: Any, name: str) -> bool:
     return source is not None and source.name == "COMMANDLINE"
 
 
-def _meant(own: OfferedOption, typed: Any) -> Any:
+def _meant(option: OfferedOption, typed: Any) -> Any:
     """The value of an option that was typed: a flag that turns off is off where it is given."""
-    return not typed if own.flag.startswith("--no-") else typed
+    return not typed if option.flag.startswith("--no-") else typed
 
 
 # ---- what is offered -----------------------------------------------------------------------------
@@ -112,24 +112,26 @@ def _parameters(study: SceneStudy[Any]) -> list[inspect.Parameter]:
     if study.files:
         output = typer.Option("-o", "--output", metavar="FILE", help=study.files)
         found.append(_parameter("output", Annotated[str | None, output], None))
-    own = options_of(study.options)
-    found += [entry for entry in _offered(SceneOptions) if entry.name in study.changes and entry.name not in own]
+    listed = options_of(study.options)
+    found += [entry for entry in _offered(SceneOptions) if entry.name in study.changes and entry.name not in listed]
     return [*found, _parameter("json", shared.Json, False)]
 
 
 def _offered(options: type[Options]) -> list[inspect.Parameter]:
     """A parameter for each option."""
-    types, own = types_of(options), options_of(options)
-    defaults = {entry.name: _meant(own[entry.name], entry.default) for entry in fields(options) if entry.name in own}
-    return [_parameter(name, Annotated[types[name], offered(options, name)], defaults[name]) for name in own]
+    types, listed = types_of(options), options_of(options)
+    defaults = {
+        entry.name: _meant(listed[entry.name], entry.default) for entry in fields(options) if entry.name in listed
+    }
+    return [_parameter(name, Annotated[types[name], offered(options, name)], defaults[name]) for name in listed]
 
 
 def offered(options: type[Options], name: str) -> Any:
     """An option as Typer reads it."""
-    own = options_of(options)[name]
-    reading = _among(own.names) if own.names else {"metavar": own.metavar, "autocompletion": own.complete}
-    flags = own.flag.split() or [flag_of(name, own)]
-    return typer.Option(*flags, rich_help_panel=own.heading or None, help=own.help, **reading)
+    option = options_of(options)[name]
+    reading = _among(option.names) if option.names else {"metavar": option.metavar, "autocompletion": option.complete}
+    flags = option.flag.split() or [flag_of(name, option)]
+    return typer.Option(*flags, rich_help_panel=option.heading or None, help=option.help, **reading)
 
 
 def _among(names: Callable[[], Collection[str]]) -> dict[str, Any]:

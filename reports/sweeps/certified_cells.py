@@ -86,8 +86,8 @@ def planned_cells(base: Base, plan: SweepPlan) -> Cells:
     given = base.document.get(TABLE) or {}
     whole = replace(base, document={**base.document, TABLE: {**dict.fromkeys(ENTRIES, 0), **given}})
     paths = (*(axis.path for axis in plan.axes), *((TABLE, name) for name in ENTRIES))
-    own = None if TABLE not in base.document else base.scene((), ()).tolerances
-    stated = {name: "0" if own is None else str(getattr(own, name)) for name in ENTRIES}
+    tolerances = None if TABLE not in base.document else base.scene((), ()).tolerances
+    stated = {name: "0" if tolerances is None else str(getattr(tolerances, name)) for name in ENTRIES}
     radians = (base.document.get("units") or {}).get("angle") == "rad"
     sides = tuple(_sides_of(plan))
     return Cells(whole, paths, sides, tuple(_entries(plan, cell, stated, radians=radians) for cell in sides))

@@ -207,7 +207,9 @@ def _follows_from(scene: Scene, paths: Sequence[Path], entries: Sequence[Entry])
         return tuple(entries)
     others = tuple(entry for path, entry in zip(paths, entries, strict=True) if path[-1] not in COEFFICIENTS)
     frictions = [wheel.friction for wheel in (*scene.wheels, *scene.idle)]
-    return others, tuple((bool(own.roll), bool(own.side), sign(own.side - own.roll)) for own in frictions)
+    return others, tuple(
+        (bool(friction.roll), bool(friction.side), sign(friction.side - friction.roll)) for friction in frictions
+    )
 
 
 def _decided(scene: Scene, *, failures: bool, built: Partition | None = None) -> _Decided:
@@ -221,8 +223,8 @@ def _decided(scene: Scene, *, failures: bool, built: Partition | None = None) ->
 
 def _ended(decided: _Decided, ends: Iterator[SampledEnds | None]) -> Outcome:
     """The outcome of a scene, whose paths end as the next ones do."""
-    own = None if decided.sample is None else next(ends)
-    return _unless_refused(lambda: decided.outcome(own))
+    ends_of_paths = None if decided.sample is None else next(ends)
+    return _unless_refused(lambda: decided.outcome(ends_of_paths))
 
 
 def _unless_refused(step: Callable[[], Kept]) -> Kept | Outcome:
@@ -257,7 +259,7 @@ def _number(check: Check, answers: Mapping[str, Answer], place: str, key: str) -
     if (place, key) == NUMBERS["kappa"]:  # its fact comes with words about the law and its region, which take longer
         return check.feedback.holding.certified_kappa
     clauses = (clause for clause, _ in check.clauses if clause.name == place)
-    facts = answers[place].facts if place in answers else (fact for own in clauses for fact in check.facts(own))
+    facts = answers[place].facts if place in answers else (fact for clause in clauses for fact in check.facts(clause))
     value = next((fact.value for fact in facts if fact.key == key), None)
     return value.value if isinstance(value, Quantity) else value
 

@@ -241,13 +241,13 @@ def _mapped(edit: _Edit, linear: Linear, *, copies: bool) -> Edited:
     centre = _texts(edit.scene.check.equilibrium)
     tables, made = edit.tables, []
     for number in edit.chosen():
-        wheel, own = edit.wheel(number), tables[number - 1]
-        table = {**own, "position": _about(centre, linear, _texts(wheel.position))}
-        if not (own.get("heading") in NEAR and centre == ("0", "0")):
+        wheel, stated = edit.wheel(number), tables[number - 1]
+        table = {**stated, "position": _about(centre, linear, _texts(wheel.position))}
+        if not (stated.get("heading") in NEAR and centre == ("0", "0")):
             table["heading"] = list(linear(_texts(wheel.direction)))
-        if "axis" in own or "axis" in edit.document.get("friction", {}):
+        if "axis" in stated or "axis" in edit.document.get("friction", {}):
             table["axis"] = list(linear(_texts(wheel.axis or wheel.direction)))
-        if wheel.given_speed is None or "speed" not in own:
+        if wheel.given_speed is None or "speed" not in stated:
             table["speed"] = edit.speed(wheel)
         made.append(table)
     if copies:
@@ -327,6 +327,6 @@ def _followed(loads: Any, sources: Sequence[int | None]) -> Any:
         case {"table": list(rows), **rest}:
             return {**rest, "table": _followed(rows, sources)}
         case {"kind": "measured", "values": list(values), **rest}:
-            own = [0 if source is None else values[source] for source in sources]
-            return {"kind": "measured", "values": own, **rest}
+            values_left = [0 if source is None else values[source] for source in sources]
+            return {"kind": "measured", "values": values_left, **rest}
     return loads
