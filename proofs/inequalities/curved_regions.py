@@ -60,11 +60,11 @@ Terms: TypeAlias = tuple[tuple[tuple[int, ...], fmpq], ...]
 
 def factors(polynomials: Iterable[fmpq_mpoly]) -> list[fmpq_mpoly]:
     """The distinct irreducible factors that are no numbers."""
-    found: dict[str, fmpq_mpoly] = {}
+    by_text: dict[str, fmpq_mpoly] = {}
     for polynomial in polynomials:
         for factor, _ in polynomial.factor()[1]:
-            found[str(factor)] = factor
-    return list(found.values())
+            by_text[str(factor)] = factor
+    return list(by_text.values())
 
 
 def critical_values(curves: Sequence[fmpq_mpoly]) -> Iterator[fmpq_poly]:
@@ -123,8 +123,8 @@ def _separated_roots(polynomials: Sequence[fmpq_poly]) -> list[Bounds]:
     precision = FIRST_PRECISION
     while True:
         with ctx.workprec(precision):
-            found: Any = [root.real for part in irreducible.values() for root in complex_roots(part) if root.imag == 0]
-            enclosures = sorted((root.lower().fmpq(), root.upper().fmpq()) for root in found)
+            roots: Any = [root.real for part in irreducible.values() for root in complex_roots(part) if root.imag == 0]
+            enclosures = sorted((root.lower().fmpq(), root.upper().fmpq()) for root in roots)
         if all(before[1] < after[0] for before, after in pairwise(enclosures)):
             return enclosures
         precision *= 2
@@ -147,8 +147,8 @@ def _rational(number: Any) -> fmpq | None:
 
 def _rational_terms(polynomial: Polynomial) -> Terms | None:
     terms = [(e, _rational(c)) for e, c in sorted(polynomial.terms.items())]
-    known = tuple((e, c) for e, c in terms if c is not None)
-    return known if len(known) == len(terms) else None
+    rational = tuple((e, c) for e, c in terms if c is not None)
+    return rational if len(rational) == len(terms) else None
 
 
 # ---- emptiness -----------------------------------------------------------------------------------
@@ -167,15 +167,15 @@ def is_empty(region: Region) -> bool | None:
 def _is_empty(sides: tuple[Side, ...], guards: tuple[Terms, ...]) -> bool | None:
     """The same for rational coefficients."""
     lines = [CONTEXT.from_dict({(1, 0): a, (0, 1): b, (0, 0): c}) for a, b, c in sides]
-    asked = [CONTEXT.from_dict(dict(guard)) for guard in guards]
-    curves = factors(asked)
+    polynomials = [CONTEXT.from_dict(dict(guard)) for guard in guards]
+    curves = factors(polynomials)
     critical = sum(curve.total_degree() ** 2 for curve in curves)  # about as many critical values are there
     bits = max((c.height_bits() for guard in guards for _, c in guard), default=1)
     if bits * critical**2 > MOST_WORK:
         return None
     curves = factors([*curves, *lines])
     places = ((x, y) for x in samples(critical_values(curves)) for y in column(curves, x))
-    return not any(all(polynomial(x, y) > 0 for polynomial in (*lines, *asked)) for x, y in places)
+    return not any(all(polynomial(x, y) > 0 for polynomial in (*lines, *polynomials)) for x, y in places)
 
 
 # ---- germs ---------------------------------------------------------------------------------------
@@ -225,10 +225,10 @@ def sectors(region: Region) -> Iterator[Sector]:
 
 def adherence(region: Region) -> Adherence:
     """Whether the origin belongs to the closure of the open cell."""
-    found = {sector.extent for sector in sectors(region)}
-    if found & {Extent.WHOLE, Extent.PART}:
+    extents = {sector.extent for sector in sectors(region)}
+    if extents & {Extent.WHOLE, Extent.PART}:
         return Adherence.YES
-    return Adherence.UNDECIDED if Extent.UNDECIDED in found else Adherence.NO
+    return Adherence.UNDECIDED if Extent.UNDECIDED in extents else Adherence.NO
 
 
 def ray_adherence(region: Region, ray: Point) -> Adherence:
@@ -247,10 +247,10 @@ def ray_adherence(region: Region, ray: Point) -> Adherence:
 
 def extent(guards: Sequence[Polynomial], start: Point, end: Point) -> Extent:
     """How much of the open cone near the origin has all guards positive."""
-    asked = [guard for guard in guards if not sign(guard.at_origin) > 0]
-    if not asked:
+    relevant = [guard for guard in guards if not sign(guard.at_origin) > 0]
+    if not relevant:
         return Extent.WHOLE
-    charts = [_in_chart(guard, start, end) for guard in asked]
+    charts = [_in_chart(guard, start, end) for guard in relevant]
     rational = [terms for terms in map(_rational_terms, charts) if terms is not None]
     if len(rational) < len(charts):
         return _extent_of_lowest_forms(charts)

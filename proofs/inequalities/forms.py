@@ -175,7 +175,8 @@ class Problem:
         """A part of the cone with the form and the guards in its generators, straight from the definition."""
         light = [tuple(simplest(x) for x in g) for g in generators]
         form, *guards = (
-            in_generators({e: simplest(c) for e, c in own.terms.items()}, light) for own in (self.form, *self.guards)
+            in_generators({e: simplest(c) for e, c in polynomial.terms.items()}, light)
+            for polynomial in (self.form, *self.guards)
         )
         return root_part(generators, [[form]], [{str(k): guard for k, guard in enumerate(guards)}])
 

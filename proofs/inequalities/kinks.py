@@ -232,9 +232,9 @@ class Kink:
             WorkLimitError: for too many places at which signs are asked for.
         """
         places: list[Fraction | RealRoot] = [*self.samples(), *self.roots]
-        found = [self.trends_at(place) for place in places]
-        order = [trend.bacciotti_ceragioli.rank for trend in found]
-        return Trends(*map(worst, zip(*found, strict=True))), places[order.index(max(order))]
+        trends = [self.trends_at(place) for place in places]
+        order = [trend.bacciotti_ceragioli.rank for trend in trends]
+        return Trends(*map(worst, zip(*trends, strict=True))), places[order.index(max(order))]
 
     def trends_at(self, place: Fraction | RealRoot) -> Trends:
         """The signs of the three maxima at a parameter."""

@@ -87,13 +87,13 @@ def best_mixture(
     """
     field = target[0].field
     with either_way(field):
-        found = _solve(columns, target, prices)
-    if isinstance(found, Mixture):
+        result = _solve(columns, target, prices)
+    if isinstance(result, Mixture):
         if counts and field.measured:
-            found.check(columns, target, prices)
-        return found
+            result.check(columns, target, prices)
+        return result
     for column in (*columns, target) if counts and field.measured else ():
-        _product(found, column).sign()
+        _product(result, column).sign()
     return None
 
 
@@ -332,10 +332,10 @@ def solve_program(costs: Any, **stated: Any) -> OptimizeResult:
     if not all(np.isfinite(table.data if issparse(table) else table).all() for table in tables):
         return OptimizeResult(x=None, status=NOT_NUMBERS, success=False)
     for method in METHODS:
-        found = linprog(costs, method=method, options={"maxiter": MOST_STEPS}, **stated)
-        if found.status != TOO_MANY:
+        result = linprog(costs, method=method, options={"maxiter": MOST_STEPS}, **stated)
+        if result.status != TOO_MANY:
             break
-    return found
+    return result
 
 
 def least_sum(rows: Floats, limits: Floats, costs: Floats, most: float | None) -> Floats | None:
@@ -347,10 +347,10 @@ def least_sum(rows: Floats, limits: Floats, costs: Floats, most: float | None) -
         costs: positive, shape (k,).
         most: of an ``|c_k|``; None without a bound.
     """
-    found = solve_program(np.r_[costs, costs], A_ub=np.hstack([rows, -rows]), b_ub=limits, bounds=(0, most))
-    if found.status != 0:
+    solution = solve_program(np.r_[costs, costs], A_ub=np.hstack([rows, -rows]), b_ub=limits, bounds=(0, most))
+    if solution.status != 0:
         return None
-    above, below = np.split(found.x, 2)
+    above, below = np.split(solution.x, 2)
     return above - below
 
 
@@ -365,10 +365,10 @@ def some_contradict(rows: Floats, limits: Floats, costs: Floats, most: float | N
     size = SOME * len(costs)
     drawn = np.unique(np.linspace(0, len(rows) - 1, size, dtype=int))
     for _ in range(MOST_DRAWN if len(rows) > size * MOST_DRAWN else 0):
-        found = least_sum(rows[drawn], limits[drawn], costs, most)
-        if found is None:
+        c = least_sum(rows[drawn], limits[drawn], costs, most)
+        if c is None:
             return True
-        excess = rows @ found - limits
+        excess = rows @ c - limits
         drawn = np.union1d(drawn, np.argsort(excess)[-size:])
     return False
 
@@ -383,8 +383,8 @@ def largest_margin(rows: Floats) -> Floats | None:
     None without a margin of at least zero.
     """
     table, bounds = np.hstack([-rows, np.ones((len(rows), 1))]), [(-1, 1)] * rows.shape[1] + [(0, 1)]
-    found = solve_program([*np.zeros(rows.shape[1]), -1.0], A_ub=table, b_ub=np.zeros(len(rows)), bounds=bounds)
-    return None if found.status else found.x
+    solution = solve_program([*np.zeros(rows.shape[1]), -1.0], A_ub=table, b_ub=np.zeros(len(rows)), bounds=bounds)
+    return None if solution.status else solution.x
 
 
 def with_margin(rows: Floats, costs: Floats) -> Floats | None:
@@ -397,8 +397,8 @@ def with_margin(rows: Floats, costs: Floats) -> Floats | None:
     Returns:
         None without a margin.
     """
-    found = largest_margin(rows)
-    if found is None or found[-1] < LEAST_MARGIN:
+    solution = largest_margin(rows)
+    if solution is None or solution[-1] < LEAST_MARGIN:
         return None
-    least = least_sum(-rows, np.full(len(rows), -KEPT * found[-1]), costs, 1)
-    return found[:-1] if least is None else least
+    least = least_sum(-rows, np.full(len(rows), -KEPT * solution[-1]), costs, 1)
+    return solution[:-1] if least is None else least

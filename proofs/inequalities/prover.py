@@ -122,8 +122,8 @@ def edge_line(problem: Problem, form: Terms, edge: tuple[int, int]) -> Coefficie
     """The form of a part along an edge by powers of ``t = lambda_second/lambda_first``, ascending."""
     field, degree = problem.form.field, problem.form.degree
     first, second = edge
-    found = {e[second]: c for e, c in form.items() if e[first] + e[second] == degree}
-    return tuple(field(evaluated(found.get(k, 0))) for k in range(degree + 1))
+    coefficients = {e[second]: c for e, c in form.items() if e[first] + e[second] == degree}
+    return tuple(field(evaluated(coefficients.get(k, 0))) for k in range(degree + 1))
 
 
 Matrix: TypeAlias = list[list[Any]]
@@ -274,8 +274,8 @@ def _lowest_terms(problem: Problem, terms: Terms) -> Iterator[tuple[Edge, Coeffi
     for corner, edge in ((0, (1, 2)), (1, (0, 2)), (2, (0, 1))):
         top = max((e[corner] for e in terms), default=0)
         degree = problem.form.degree - top
-        found = {e[edge[1]]: c for e, c in terms.items() if e[corner] == top}
-        yield edge, tuple(field(evaluated(found.get(k, 0))) for k in range(degree + 1))
+        coefficients = {e[edge[1]]: c for e, c in terms.items() if e[corner] == top}
+        yield edge, tuple(field(evaluated(coefficients.get(k, 0))) for k in range(degree + 1))
 
 
 # ---- the prover ----------------------------------------------------------------------------------
@@ -301,14 +301,14 @@ def counterexample(question: Question) -> tuple[Any, Any] | None:
 @cache
 def _grid() -> tuple[Weights, ...]:
     """Weights of the corners of a triangle, no point twice."""
-    found: dict[tuple[Fraction, Fraction], Weights] = {}
+    by_place: dict[tuple[Fraction, Fraction], Weights] = {}
     for scale in SCALES:
         for j in range(PARTS + 1):
             for k in range(PARTS + 1 - j):
                 weights = ((PARTS - j - k) * scale, j, k)
                 total = sum(weights)
-                found.setdefault((Fraction(j, total), Fraction(k, total)), weights)
-    return tuple(found.values())
+                by_place.setdefault((Fraction(j, total), Fraction(k, total)), weights)
+    return tuple(by_place.values())
 
 
 def _suspects(question: Question, triangle: Sequence[Triple]) -> Iterator[Weights]:
@@ -435,13 +435,13 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
         return _witness(question, refuting)
     stuck: Undecided[Question] | None = None
     for part in build_parts(question):
-        found = decide(part)
-        if isinstance(found, Violation):
-            return _witness(question, place_of(found.point, part, question))
-        if isinstance(found, RealRoot):
-            return ZeroBetween(question, part, found)
-        if isinstance(found, Stuck):
-            stuck = stuck or Undecided(question, tuple(place_of(g, part, question) for g in found.corners))
+        outcome = decide(part)
+        if isinstance(outcome, Violation):
+            return _witness(question, place_of(outcome.point, part, question))
+        if isinstance(outcome, RealRoot):
+            return ZeroBetween(question, part, outcome)
+        if isinstance(outcome, Stuck):
+            stuck = stuck or Undecided(question, tuple(place_of(g, part, question) for g in outcome.corners))
     if stuck is not None and not region.guards and (refuting := counterexample(question)) is not None:
         return _witness(question, refuting)
     return stuck or Proof(question)
@@ -449,21 +449,21 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
 
 def decide(problem: Problem) -> Violation | RealRoot | Stuck | None:
     """Decide one simplicial part: what refutes it, or where the search ended; None where it is proved."""
-    found = problem.subdivided(LITTLE_WORK)
-    if not isinstance(found, Stuck):
-        return found
+    outcome = problem.subdivided(LITTLE_WORK)
+    if not isinstance(outcome, Stuck):
+        return outcome
     if len(problem.generators) == 2 and len(problem.form.field.radicands) <= MAX_EXACT_ROOTS:
         return decide_binary(problem)
     if not problem.guards and problem.form.degree == 2:
         quadratic = decide_quadratic(problem)
-        return found if isinstance(quadratic, Stuck) else quadratic
+        return outcome if isinstance(quadratic, Stuck) else quadratic
     if not problem.guards and not problem.strict:
         rest = _without_square(problem)
-        of_rest = found if rest is None else decide(rest)
+        of_rest = outcome if rest is None else decide(rest)
         if of_rest is None or (isinstance(of_rest, Violation) and problem.is_violated_at(of_rest.point)):
             return of_rest
     work = min(MUCH_WORK, effort_left())
-    return problem.subdivided(work, lambda part: zero_cut(problem, part)) if work else found
+    return problem.subdivided(work, lambda part: zero_cut(problem, part)) if work else outcome
 
 
 def _without_square(problem: Problem) -> Problem | None:

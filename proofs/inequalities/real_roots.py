@@ -31,10 +31,10 @@ Coefficients: TypeAlias = Sequence[Number]
 
 def trimmed(coefficients: Coefficients) -> list[Number]:
     """Without leading zeros; empty for the zero polynomial."""
-    kept = list(coefficients)
-    while kept and not kept[-1]:
-        kept.pop()
-    return kept
+    rest = list(coefficients)
+    while rest and not rest[-1]:
+        rest.pop()
+    return rest
 
 
 def without_zeros(coefficients: Coefficients) -> list[Number]:
@@ -162,9 +162,9 @@ class Sturm:
 
 def _rationals(coefficients: Coefficients) -> list[fmpq] | None:
     """The coefficients as rational numbers; None where one is none."""
-    found = [c.as_rational() for c in coefficients]
-    known = [q for q in found if q is not None]
-    return known if len(known) == len(found) else None
+    candidates = [c.as_rational() for c in coefficients]
+    rationals = [q for q in candidates if q is not None]
+    return rationals if len(rationals) == len(candidates) else None
 
 
 def _chain(coefficients: list[Number]) -> list[list[Number]]:
@@ -255,26 +255,26 @@ def positive_roots(coefficients: Coefficients) -> list[RealRoot]:
     Raises:
         ValueError: for the zero polynomial.
     """
-    kept = without_zeros(trimmed(coefficients))  # the root 0 is not positive
-    if not kept:
+    reduced = without_zeros(trimmed(coefficients))  # the root 0 is not positive
+    if not reduced:
         raise ValueError("required a nonzero polynomial")
-    sturm, bound = Sturm(kept), Fraction(1)
+    sturm, bound = Sturm(reduced), Fraction(1)
     at_infinity = sturm.variations(None)
     while sturm.variations(bound) != at_infinity or not sturm.sign_at(bound):
         bound *= 2
-    found: list[RealRoot] = []
+    roots: list[RealRoot] = []
     waiting = [(Fraction(0), bound)]
     while waiting:
         low, high = waiting.pop()
         count = sturm.count(low, high)
         if count == 1:
-            found.append(RealRoot(tuple(kept), low, high))
+            roots.append(RealRoot(tuple(reduced), low, high))
         elif count:
             middle = _regular_point(sturm, low, high)
             waiting += [(middle, high), (low, middle)]
-    while found and not found[0].low:
-        found[0] = found[0].halved()
-    return found
+    while roots and not roots[0].low:
+        roots[0] = roots[0].halved()
+    return roots
 
 
 def samples_between(roots: Sequence[RealRoot]) -> list[Fraction]:
@@ -289,18 +289,18 @@ def separated(roots: Iterable[RealRoot], before_each: Callable[[], None] = lambd
         roots: of them.
         before_each: called before two roots are compared; it may end the work by an exception.
     """
-    kept: list[RealRoot] = []
+    distinct: list[RealRoot] = []
     waiting = list(roots)
     while waiting:
         root = waiting.pop()
-        clash = next((k for k, other in enumerate(kept) if root.low < other.high and other.low < root.high), None)
+        clash = next((k for k, other in enumerate(distinct) if root.low < other.high and other.low < root.high), None)
         if clash is None:
-            kept.append(root)
+            distinct.append(root)
             continue
         before_each()
-        if not _same(root, kept[clash]):
-            waiting += [root.halved(), kept.pop(clash).halved()]
-    return sorted(kept, key=lambda root: root.low)
+        if not _same(root, distinct[clash]):
+            waiting += [root.halved(), distinct.pop(clash).halved()]
+    return sorted(distinct, key=lambda root: root.low)
 
 
 def _same(first: RealRoot, second: RealRoot) -> bool:
@@ -351,8 +351,8 @@ def _in_radicals(factor: list[Number], low: Fraction, high: Fraction) -> Number 
 
 def complex_roots(polynomial: fmpq_poly) -> list[Any]:
     """Disjoint balls around all roots; those of real ones have the imaginary part zero exactly."""
-    found: Any = polynomial.complex_roots() if polynomial.degree() > 0 else []
-    return [root for root, _ in found]
+    roots: Any = polynomial.complex_roots() if polynomial.degree() > 0 else []
+    return [root for root, _ in roots]
 
 
 # ---- tangents of curves at the origin of the plane -----------------------------------------------

@@ -185,8 +185,8 @@ class SubCone:
         return sum(_work_of(c) for terms in self._forms() for c in terms.values())
 
     def _forms(self) -> Iterator[Terms]:
-        for own in self.values:
-            yield from own
+        for forms in self.values:
+            yield from forms
         for guards in self.guards:
             yield from guards.values()
         yield from self.zeros.values()
@@ -200,8 +200,8 @@ class SubCone:
         return SubCone(
             _with_mixed(self.corners, kept, replaced, share),
             _with_mixed(self.places, kept, replaced, fmpq(1, 2)),
-            [list(map(changed, own)) for own in self.values],
-            [{name: changed(guard) for name, guard in own.items()} for own in self.guards],
+            [list(map(changed, forms)) for forms in self.values],
+            [{name: changed(guard) for name, guard in guards.items()} for guards in self.guards],
             {name: changed(zero) for name, zero in self.zeros.items()},
             self.depth + 1,
         )
@@ -292,15 +292,15 @@ def shown_by(part: SubCone, sought: Sought, k: int, free: frozenset[str] = froze
     Returns:
         The name of a guard that is positive nowhere on the part, or multiples of guards and zeros to take off p.
     """
-    own, guards = part.values[k][0], part.guards[k]
-    if shows(part, sought, k, own):
+    p, guards = part.values[k][0], part.guards[k]
+    if shows(part, sought, k, p):
         return {}
     outside = _outside_by(part, sought, guards, free)
     if outside is not None:
         return outside
     for name, taken in {**guards, **part.zeros}.items():
-        degree = max(degree_of(own), degree_of(taken))
-        value, less = (raised(form, degree, part.corners) for form in (own, taken))
+        degree = max(degree_of(p), degree_of(taken))
+        value, less = (raised(form, degree, part.corners) for form in (p, taken))
         factor = multiplier(value, less, signed=name in guards)
         if factor is None:
             continue
@@ -333,8 +333,8 @@ def _is_positive_inside(part: SubCone, sought: Sought, rest: Terms, guard: Terms
         factor: not negative.
     """
     faces, telling = sought.faces(part.corners), {-1, 1} if factor else {-1}
-    held = (m for m in range(1 << len(part.corners)) if any(not face & ~m for face in faces))
-    return all(has_positive(rest, face) or _one_sign(guard, face) in telling for face in held)
+    supersets = (m for m in range(1 << len(part.corners)) if any(not face & ~m for face in faces))
+    return all(has_positive(rest, face) or _one_sign(guard, face) in telling for face in supersets)
 
 
 def _one_sign(terms: Terms, face: int) -> int:
@@ -462,11 +462,11 @@ def _find_violation(part: SubCone, sought: Sought) -> Violation | None:
             if here > 0 or not (here or face in faces):
                 continue
             weights = [fmpq(face >> i & 1) for i in range(count)]
-            found = _violation_at(part, sought, k, weights)
-            if found is None and here < 0 and not any(part.guards):
-                found = _violation_beside(part, sought, k, weights)
-            if found is not None:
-                return found
+            violation = _violation_at(part, sought, k, weights)
+            if violation is None and here < 0 and not any(part.guards):
+                violation = _violation_beside(part, sought, k, weights)
+            if violation is not None:
+                return violation
     return None
 
 
@@ -475,19 +475,19 @@ def _violation_beside(part: SubCone, sought: Sought, k: int, weights: Sequence[f
     for step in range(NEARBY_STEPS):
         for i in range(len(weights)):
             near = [w + fmpq(int(i == j), 4**step) for j, w in enumerate(weights)]
-            if (found := _violation_at(part, sought, k, near)) is not None:
-                return found
+            if (violation := _violation_at(part, sought, k, near)) is not None:
+                return violation
     return None
 
 
 def _violation_at(part: SubCone, sought: Sought, k: int, weights: Sequence[fmpq]) -> Violation | None:
     """The weighted sum of the corners, if the k-th inequality is false there, inside all guards."""
-    point = tuple(_weighted(own, weights) for own in zip(*part.corners, strict=True))
-    if not sought.is_about(point) or any(sign(value_at(own, weights)) <= 0 for own in part.guards[k].values()):
+    point = tuple(_weighted(coordinates, weights) for coordinates in zip(*part.corners, strict=True))
+    if not sought.is_about(point) or any(sign(value_at(guard, weights)) <= 0 for guard in part.guards[k].values()):
         return None
     here = sign(value_at(part.values[k][0], weights))
     fails = here < 0 or (sought.strict and not here)
-    return Violation(point) if fails and not any(value_at(own, weights) for own in part.zeros.values()) else None
+    return Violation(point) if fails and not any(value_at(zero, weights) for zero in part.zeros.values()) else None
 
 
 def _weighted(values: Sequence[Any], weights: Sequence[fmpq]) -> Any:
@@ -498,5 +498,5 @@ def _weighted(values: Sequence[Any], weights: Sequence[fmpq]) -> Any:
 
 def value_at(terms: Mapping[tuple[int, ...], Any], point: Sequence[fmpq]) -> Any:
     """A polynomial at a rational point; a form in the corners of a part at a weighted sum of these."""
-    monomials = [prod((x**e for x, e in zip(point, own, strict=True) if e), start=fmpq(1)) for own in terms]
+    monomials = [prod((x**e for x, e in zip(point, exponents, strict=True) if e), start=fmpq(1)) for exponents in terms]
     return _weighted(list(terms.values()), monomials) if terms else fmpq(0)

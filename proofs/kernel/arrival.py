@@ -79,31 +79,33 @@ class Arrival(NamedTuple):
     def words(self, states: Sequence[str]) -> str:
         """The bound for a start, in formulas of its states."""
         kinds = {1: "abs({})", 2: "sqrt(abs({}))"}
-        sizes = [kinds.get(q, f"abs({{}})**(1/{q})").format(own) for own, q in zip(states, self.orders, strict=True)]
-        parts = [own if c == 1 else f"{float(c):g}*{own}" for c, own in zip(self.size, sizes, strict=True)]
+        sizes = [
+            kinds.get(q, f"abs({{}})**(1/{q})").format(state) for state, q in zip(states, self.orders, strict=True)
+        ]
+        parts = [size if c == 1 else f"{float(c):g}*{size}" for c, size in zip(self.size, sizes, strict=True)]
         power = "" if self.power == 1 else f"**{self.power}"
         size = parts[0] if len(parts) == 1 and not power else f"({' + '.join(parts)}){power}"
         return f"{float(self.factor):g}*{size}"
 
 
 @BEYOND_FLOATS
-def find_arrival(system: SwitchedSystem, known: Homogeneity) -> Arrival | None:
+def find_arrival(system: SwitchedSystem, homogeneity: Homogeneity) -> Arrival | None:
     """A bound of the time of arrival, for all starts; None where none is found.
 
     Args:
         system: of which the point attracts.
-        known: its weights.
+        homogeneity: its weights.
     """
-    found: list[Arrival] = []
+    arrivals: list[Arrival] = []
     with suppress(BeyondReachError, NotShownError, RejectedError, SceneError):
-        about = seen_in_roots(system, known) if known.arrives else None
+        about = seen_in_roots(system, homogeneity) if homogeneity.arrives else None
         if about is None:
             return None
         highest = 2 * max(about.orders)
         for degree in (highest - 1, highest):
-            own = _Forms(about, degree).arrival()
-            found += [] if own is None else [own]
-    return min(found, key=lambda own: own.factor * sum(own.size), default=None)
+            arrival = _Forms(about, degree).arrival()
+            arrivals += [] if arrival is None else [arrival]
+    return min(arrivals, key=lambda bound: bound.factor * sum(bound.size), default=None)
 
 
 class _Forms:
@@ -131,20 +133,20 @@ class _Forms:
 
     def _falling(self, number: int, shift: Shift) -> list[Claim]:
         """That the derivative of a product, with a shift, is negative on cells, and of mixtures that keep to a face."""
-        own = self.functions
-        own.number, own.proofs = number, Collected()
-        own.show_falls("", shift, strict=True)
-        return list(of_two_fields(own.proofs.claims))
+        functions = self.functions
+        functions.number, functions.proofs = number, Collected()
+        functions.show_falls("", shift, strict=True)
+        return list(of_two_fields(functions.proofs.claims))
 
     def _powers_of_size(self, size: Sequence[Fraction], exponent: int) -> Callable[[Cell], Polynomial]:
         """``S^exponent`` on cells."""
-        own, names = self.functions.inclusion, self.about.seen.coordinates
+        inclusion, names = self.functions.inclusion, self.about.seen.coordinates
 
         def power_of(cell: Cell) -> Polynomial:
-            total = constant(own.count, 0)
+            total = constant(inclusion.count, 0)
             for name, weight in zip(names, size, strict=True):
-                coordinate = own.domain.displacement[name]
-                total += coordinate.times(weight * own.surfaces.sign_on(cell.signs, coordinate))
+                coordinate = inclusion.domain.displacement[name]
+                total += coordinate.times(weight * inclusion.surfaces.sign_on(cell.signs, coordinate))
             return total.power(exponent)
 
         return power_of
@@ -155,15 +157,15 @@ class _Forms:
         inside = speeds > 0
         falls = np.column_stack([self.falls[inside] / (self.unit * speeds[inside, None]), -np.ones(inside.sum())])
         low = np.column_stack([heights, np.zeros(len(heights))])
-        chosen, kept = None, np.arange(len(falls)) % THINNED == 0
+        chosen, used = None, np.arange(len(falls)) % THINNED == 0
         for _ in range(ROUNDS):
-            chosen = _largest_last(falls[kept], low[::THINNED])
+            chosen = _largest_last(falls[used], low[::THINNED])
             if chosen is None or not chosen[-1] > TINY:
                 return None
             gaps = falls @ chosen
             if gaps.min() >= -chosen[-1] * SLACK:
                 break
-            kept[np.argsort(gaps)[:MOST_ADDED]] = True
+            used[np.argsort(gaps)[:MOST_ADDED]] = True
         return None if chosen is None else chosen[:-1]
 
     def _speeds(self, size: Sequence[Fraction]) -> Floats:
@@ -176,17 +178,17 @@ class _Forms:
         """The products over ``S^p`` at samples of all cells."""
         places = samples(self.functions.count, SEEDS) * np.array(self.about.units, dtype=float)
         sizes = (np.abs(places) @ np.array(size, dtype=float)) ** self.degree
-        columns = [own.at_places(places) / sizes for own in self.listed]
+        columns = [product.at_places(places) / sizes for product in self.listed]
         return np.stack(columns, axis=1) / self.units
 
     def _size_of(self, chosen: Floats) -> tuple[Fraction, ...] | None:
         """Numbers c with ``c_k^p`` in proportion to V on the axes; None where V is not positive there."""
         axes = np.eye(len(self.about.orders))
-        heights = np.stack([own.at_places(axes) for own in self.listed], axis=1) @ chosen
+        heights = np.stack([product.at_places(axes) for product in self.listed], axis=1) @ chosen
         if not heights.min() > 0:
             return None
         sizes = heights ** (1 / self.degree) / np.array(self.about.units, dtype=float)
-        return tuple(rounded_up(Fraction(float(own)), FEW_DIGITS) for own in sizes / sizes.max())
+        return tuple(rounded_up(Fraction(float(size)), FEW_DIGITS) for size in sizes / sizes.max())
 
     def _shown(self, chosen: Floats, size: tuple[Fraction, ...]) -> Arrival | None:
         """The bound with V in rational numbers; None where its claims are not shown."""
@@ -218,8 +220,8 @@ def _largest_last(falls: Floats, low: Floats) -> Floats | None:
     count = falls.shape[1]
     upper, right = np.vstack([-falls, low]), np.concatenate([np.zeros(len(falls)), np.ones(len(low))])
     costs, bounds = [*[0.0] * (count - 1), -1.0], [*[(None, None)] * (count - 1), (0.0, None)]
-    found = solve_program(costs, A_ub=upper, b_ub=right, bounds=bounds)
-    return np.asarray(found.x) if found.status == 0 else None
+    solution = solve_program(costs, A_ub=upper, b_ub=right, bounds=bounds)
+    return np.asarray(solution.x) if solution.status == 0 else None
 
 
 def rounded_up(value: Fraction, digits: int) -> Fraction:

@@ -126,7 +126,7 @@ def monomial(states: Sequence[str], exponents: Exponents) -> PiecewiseFunction:
 
 def monomials(states: Sequence[str], degree: int) -> tuple[PiecewiseFunction, ...]:
     """All of a degree."""
-    return tuple(monomial(states, own) for own in monomials_of(len(states), degree))
+    return tuple(monomial(states, exponents) for exponents in monomials_of(len(states), degree))
 
 
 def bent(surface: Polynomial) -> PiecewiseFunction:
@@ -147,9 +147,9 @@ def field_jumps(cells: SignCells, surface: Polynomial) -> bool:
     """Whether the field differs on the two sides of a hyperplane."""
     j = cells.surfaces.index(surface)
     by_signs = {cell.signs: cell.velocities for cell in cells.cells}
-    for signs, own in by_signs.items():
-        other = by_signs.get((*signs[:j], -signs[j], *signs[j + 1 :]), own)
-        for first, second in zip(own, other, strict=True):
+    for signs, fields in by_signs.items():
+        other = by_signs.get((*signs[:j], -signs[j], *signs[j + 1 :]), fields)
+        for first, second in zip(fields, other, strict=True):
             gaps = (a - b for a, b in zip(first, second, strict=True))
             if any(gap.divided(cells.forms[j]) is None for gap in gaps):
                 return True
@@ -199,11 +199,11 @@ def rates_and_values(conditions: Functions, looked_at: LookedAt) -> tuple[Floats
     points = looked_at(space)
     places = [(space, [cell], points) for cell in inclusion.cells]
     places += [(face, list(cells), looked_at(face)) for face, _, cells in conditions.bends]
-    found = [np.zeros((2, 0, len(inclusion.cells[0].functions)))]
+    blocks = [np.zeros((2, 0, len(inclusion.cells[0].functions)))]
     for place, cells, coordinates in places:
         functions, samples = cells[0].functions, sampled(place, cells, coordinates)
-        found.append(np.stack([slopes_along(samples, functions), _values_at(functions, samples.points)]))
-    slopes, heights = np.concatenate(found, axis=1)
+        blocks.append(np.stack([slopes_along(samples, functions), _values_at(functions, samples.points)]))
+    slopes, heights = np.concatenate(blocks, axis=1)
     return slopes, heights
 
 
@@ -213,18 +213,18 @@ def distinct(rows: Floats) -> Floats:
 
 
 def _values_at(functions: Sequence[CheckedPolynomial], points: Floats) -> Floats:
-    return np.stack([float_values(own.terms, points) for own in functions], axis=1)
+    return np.stack([float_values(function.terms, points) for function in functions], axis=1)
 
 
 def values(conditions: Functions, looked_at: LookedAt = points_of) -> tuple[Floats, Floats]:
     """Points of all cells, and the values of the functions there, of shapes (m, n) and (m, k)."""
-    space, places, found = whole_domain(conditions.inclusion), [], []
+    space, places, heights = whole_domain(conditions.inclusion), [], []
     coordinates = looked_at(space)
     for cell in conditions.inclusion.cells:
         points = sampled(space, [cell], coordinates).points
         places.append(points)
-        found.append(_values_at(cell.functions, points))
-    return np.vstack(places), np.vstack(found)
+        heights.append(_values_at(cell.functions, points))
+    return np.vstack(places), np.vstack(heights)
 
 
 @BEYOND_FLOATS

@@ -65,7 +65,7 @@ class Bounds:
         self.place, self.states, self.surfaces, self.points = place, states, surfaces, points
         listed = place.inclusion.surfaces
         restricted = {j: place.restricted(listed.signed(j, s)) for j, s in signs.items()}
-        self.guards = {j: own for j, own in restricted.items() if own.degree}
+        self.guards = {j: surface for j, surface in restricted.items() if surface.degree}
         self.signs = signs
 
     # ---- of a polynomial -----------------------------------------------------------------------
@@ -74,7 +74,7 @@ class Bounds:
         """Terms of a bound of a polynomial by its factors; None where these do not tell, and of irrational numbers."""
         if not rate:
             return []
-        if any(isinstance(own, Number) for own in rate.terms.values()):
+        if any(isinstance(coefficient, Number) for coefficient in rate.terms.values()):
             return None
         number, factors = factorized(rate)
         total: list[Term] = [(Fraction(1), ())]
@@ -84,10 +84,10 @@ class Bounds:
             if exponent % 2 == 1 and not turned and values.min(initial=0.0) < -TINY:
                 return None
             number = -number if turned else number
-            own = self._of_factor(-factor if turned else factor, exponent, -values if turned else values)
-            if own is None:
+            bound = self._of_factor(-factor if turned else factor, exponent, -values if turned else values)
+            if bound is None:
                 return None
-            total = [(a * b, (*u, *v)) for (a, u), (b, v) in product(total, own)]
+            total = [(a * b, (*u, *v)) for (a, u), (b, v) in product(total, bound)]
         return [(number * factor, powers) for factor, powers in total] if number > 0 else None
 
     def _of_factor(self, factor: Polynomial, exponent: int, values: Floats) -> list[Term] | None:
@@ -104,26 +104,28 @@ class Bounds:
             if exponent % 2 == 0 and values.min(initial=0.0) < 0 < values.max(initial=0.0):
                 raise NotShownError("zeros of a rate on a curve that cannot be solved for a variable")
             return None
-        return [(c**exponent, tuple(Power(own.base, own.exponent * exponent) for own in term)) for c, term in summed]
+        return [
+            (c**exponent, tuple(Power(power.base, power.exponent * exponent) for power in term)) for c, term in summed
+        ]
 
     def _summed(self, value: Polynomial) -> list[Term] | None:
         """A polynomial that is zero at the origin as a sum of terms that are not negative.
 
         Its linear part is one of surfaces through the origin: of planes, or where these do not do of a curved one too.
         """
-        through = {j: own for j, own in self.guards.items() if any(slopes(own)) and not own.at_origin}
-        planes = {j: own for j, own in through.items() if own.degree == 1}
-        curved = [planes | {j: own} for j, own in through.items() if j not in planes]
+        through = {j: surface for j, surface in self.guards.items() if any(slopes(surface)) and not surface.at_origin}
+        planes = {j: surface for j, surface in through.items() if surface.degree == 1}
+        curved = [planes | {j: surface} for j, surface in through.items() if j not in planes]
         for listed in [] if value.at_origin else [planes, *curved]:
             weights = _weights(part_of(value, 1), listed)
             rest = value
             for j, weight in ({} if weights is None else weights).items():
                 rest -= listed[j].times(weight)
-            found = list(self._monomials({e: c for e, c in rest.terms.items() if sum(e) > 2}))
+            monomials = list(self._monomials({e: c for e, c in rest.terms.items() if sum(e) > 2}))
             squares = squares_of(part_of(rest, 2))
-            if weights is not None and squares is not None and None not in found:
+            if weights is not None and squares is not None and None not in monomials:
                 by_surfaces = [(weight, (Power(j, 1),)) for j, weight in weights.items()]
-                return [*by_surfaces, *squares, *(term for term in found if term is not None)]
+                return [*by_surfaces, *squares, *(term for term in monomials if term is not None)]
         return None
 
     def _monomials(self, terms: Mapping[tuple[int, ...], Fraction]) -> Iterator[Term | None]:
@@ -131,12 +133,12 @@ class Bounds:
         for exponents, value in terms.items():
             powers, factor = [], value
             for k, exponent in enumerate(exponents):
-                own = variable(len(exponents), k)
+                coordinate = variable(len(exponents), k)
                 if exponent % 2 == 0:
-                    powers += [Power(own, exponent)] if exponent else []
+                    powers += [Power(coordinate, exponent)] if exponent else []
                     continue
-                found = ((j, ratio(own, guard)) for j, guard in self.guards.items())
-                j, share = next(((j, share) for j, share in found if share is not None), (0, Fraction(0)))
+                shares = ((j, ratio(coordinate, guard)) for j, guard in self.guards.items())
+                j, share = next(((j, share) for j, share in shares if share is not None), (0, Fraction(0)))
                 powers.append(Power(j, exponent))
                 factor *= share**exponent
             yield (factor, tuple(powers)) if factor > 0 else None
@@ -145,7 +147,7 @@ class Bounds:
 
     def at_points(self, places: Floats, values: Floats) -> list[Term]:
         """Terms of a bound of values at points: powers of coordinates and surfaces that are below them."""
-        found: list[Term] = []
+        terms: list[Term] = []
         size = self.place.dimension
         bases: list[tuple[Polynomial | int, Polynomial]] = list(self.guards.items())
         bases += [(variable(size, k), variable(size, k)) for k in range(size)]
@@ -155,27 +157,27 @@ class Bounds:
             for power in (1, *POWERS) if isinstance(name, int) else POWERS:
                 least = float(np.min(values[at] / against[at] ** power, initial=1.0))
                 if at.any() and least > LEAST:
-                    found.append((_rounded_down(least / 2), (Power(name, power),)))
+                    terms.append((_rounded_down(least / 2), (Power(name, power),)))
                     break
-        return [(factor / len(found), powers) for factor, powers in found]
+        return [(factor / len(terms), powers) for factor, powers in terms]
 
     # ---- as certificates write them ------------------------------------------------------------
 
     def written(self, terms: Sequence[Term]) -> list[Any]:
         """Terms as lists of numbers, texts in the displacement, and exponents."""
-        found = []
+        listing = []
         for factor, powers in terms:
             texts = [self._text(power.base) for power in powers]
             shares = (share**power.exponent for (_, share), power in zip(texts, powers, strict=True))
             listed = [[text, power.exponent] for (text, _), power in zip(texts, powers, strict=True)]
-            found.append([str(prod(shares, start=factor)), listed])
-        return found
+            listing.append([str(prod(shares, start=factor)), listed])
+        return listing
 
     def _text(self, base: Polynomial | int) -> tuple[str, Fraction]:
         """A base as a formula, and by what number it was divided."""
         if isinstance(base, int):
-            own = self.surfaces[base]
-            return own if self.signs[base] > 0 else f"-({own})", Fraction(1)
+            surface = self.surfaces[base]
+            return surface if self.signs[base] > 0 else f"-({surface})", Fraction(1)
         radius = self.place.inclusion.domain.radius
         names = [self.states[self.place.coordinates.index(variable(base.count, k))] for k in range(base.count)]
         scaled = {e: c / radius ** sum(e) for e, c in base.terms.items()}
@@ -193,11 +195,11 @@ def factorized(value: Polynomial) -> tuple[Fraction, list[tuple[Polynomial, int]
     names = tuple(f"u{k}" for k in range(value.count))
     context = fmpq_mpoly_ctx.get(names, Ordering.lex)
     number, parts = context.from_dict({e: as_fmpq(c) for e, c in value.terms.items()}).factor()
-    found = []
+    factors = []
     for part, exponent in parts:
         terms = {tuple(map(int, e)): as_fraction(c) for e, c in part.to_dict().items()}
-        found.append((Polynomial(value.count, terms), int(exponent)))
-    return as_fraction(number), found
+        factors.append((Polynomial(value.count, terms), int(exponent)))
+    return as_fraction(number), factors
 
 
 def ratio(value: Polynomial, other: Polynomial) -> Fraction | None:
@@ -213,9 +215,9 @@ def _weights(form: Polynomial, listed: Mapping[int, Polynomial]) -> dict[int, Fr
 
     if not form or not listed:
         return None if form else {}
-    columns = np.array([list(map(float, slopes(own))) for own in listed.values()]).T
-    found, _ = nnls(columns, np.array(list(map(float, slopes(form)))))
-    weights = {j: Fraction(weight).limit_denominator(1000) for j, weight in zip(listed, found, strict=True)}
+    columns = np.array([list(map(float, slopes(surface))) for surface in listed.values()]).T
+    multiples, _ = nnls(columns, np.array(list(map(float, slopes(form)))))
+    weights = {j: Fraction(weight).limit_denominator(1000) for j, weight in zip(listed, multiples, strict=True)}
     rest = form
     for j, weight in weights.items():
         rest -= part_of(listed[j], 1).times(weight)
@@ -229,16 +231,16 @@ def is_solvable(value: Polynomial) -> bool:
 
 def squares_of(value: Polynomial) -> list[Term] | None:
     """A quadratic form as a sum of squares of linear forms, by Lagrange's reduction; None for an indefinite one."""
-    found: list[Term] = []
+    squares: list[Term] = []
     while value:
         k = next((k for k in range(value.count) if value.terms.get(_square(value.count, k), 0) > 0), None)
         if k is None:
             return None
         pivot = value.terms[_square(value.count, k)]
         form = value.derivative(k).times(1 / (2 * pivot))
-        found.append((pivot, (Power(form, 2),)))
+        squares.append((pivot, (Power(form, 2),)))
         value -= (form * form).times(pivot)
-    return found
+    return squares
 
 
 def _square(count: int, k: int) -> tuple[int, ...]:

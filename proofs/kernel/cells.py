@@ -132,24 +132,26 @@ def build_cells(
     if len(surfaces) > MAX_SURFACES:
         raise BeyondReachError(f"over {MAX_SURFACES} switching surfaces")
     read = _unread if irrational else checked
-    found: list[SignCell] = []
-    asked: set[Polynomial] = set()
+    cells: list[SignCell] = []
+    expressions: set[Polynomial] = set()
     for signs in patterns(surfaces, radius):
-        if len(found) == MAX_CELLS:
+        if len(cells) == MAX_CELLS:
             raise BeyondReachError(f"over {MAX_CELLS} cells")
-        known = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
+        by_factors = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
 
-        def sign_of(expression: Polynomial, known: SignOf = known) -> int:
-            asked.add(expression)
-            return known(expression)
+        def sign_of(expression: Polynomial, by_factors: SignOf = by_factors) -> int:
+            expressions.add(expression)
+            return by_factors(expression)
 
         fields = (member.velocity(sign_of, states) for member in system.members)
         velocities = tuple(tuple(read(part) for part in field) for field in fields)
-        found.append(SignCell(signs, velocities))
+        cells.append(SignCell(signs, velocities))
     size = system.field.one if radius is None else radius
     half = size.as_rational() if len(system.states) == 1 else None  # intervals may be of any size
     half = rational(size) if half is None else half
-    return SignCells(system.states, surfaces, tuple(found), half, not system.rewriting.denominators, frozenset(asked))
+    return SignCells(
+        system.states, surfaces, tuple(cells), half, not system.rewriting.denominators, frozenset(expressions)
+    )
 
 
 def adjoining(cells: SignCells) -> list[SignCell]:
@@ -164,12 +166,12 @@ def rational(number: Number) -> fmpq:
     Raises:
         BeyondReachError: for an irrational one, and for one so large or small that its powers are no floats.
     """
-    found = number.as_rational()
-    if found is None:
+    fraction = number.as_rational()
+    if fraction is None:
         raise BeyondReachError("numbers with roots")
-    if found and abs(int(found.p).bit_length() - int(found.q).bit_length()) > MAX_MAGNITUDE:
+    if fraction and abs(int(fraction.p).bit_length() - int(fraction.q).bit_length()) > MAX_MAGNITUDE:
         raise BeyondReachError(f"numbers beyond 2**{MAX_MAGNITUDE} or below 2**-{MAX_MAGNITUDE}")
-    return found
+    return fraction
 
 
 def rational_terms(polynomial: Polynomial) -> RationalTerms:
@@ -217,7 +219,7 @@ def surfaces_of(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[P
         BeyondReachError: for too many surfaces.
     """
     values = system.named()
-    found: dict[Polynomial, None] = {}
+    surfaces: dict[Polynomial, None] = {}
     for summand in formula.summands:
         waiting: list[dict[Polynomial, int]] = [{}]
         while waiting:
@@ -225,11 +227,11 @@ def surfaces_of(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[P
             try:
                 summand.polynomial(values, signs_by_factors(signs))
             except UnknownSign as unknown:
-                found[unknown.surface] = None
+                surfaces[unknown.surface] = None
                 waiting += [{**signs, unknown.surface: sign} for sign in (-1, 1)]
-            if len(found) > MAX_SURFACES or len(waiting) > MAX_PATTERNS:
+            if len(surfaces) > MAX_SURFACES or len(waiting) > MAX_PATTERNS:
                 raise BeyondReachError(f"over {MAX_SURFACES} surfaces on which V switches")
-    return tuple(surface for surface in found if surface.degree)
+    return tuple(surface for surface in surfaces if surface.degree)
 
 
 def patterns(surfaces: Sequence[Polynomial], radius: Number | None) -> Iterator[Pattern]:
@@ -244,9 +246,9 @@ def patterns(surfaces: Sequence[Polynomial], radius: Number | None) -> Iterator[
             continue
         for sign in (-1, 1):
             longer = (*signs, sign)
-            known = [k for k in range(len(longer)) if affine[k]]
-            seen = bool(np.all(sides[:, known] == [longer[k] for k in known], axis=1).any())
-            if seen or not affine[len(signs)] or not is_empty([surfaces[k] * longer[k] for k in known], radius):
+            indices = [k for k in range(len(longer)) if affine[k]]
+            is_sampled = bool(np.all(sides[:, indices] == [longer[k] for k in indices], axis=1).any())
+            if is_sampled or not affine[len(signs)] or not is_empty([surfaces[k] * longer[k] for k in indices], radius):
                 waiting.append(longer)
 
 
@@ -264,8 +266,8 @@ def is_empty(forms: Sequence[Polynomial], radius: Number | None) -> bool:
 
     Then a mixture of them and of those of the sides is not positive (Gordan).
     """
-    found = least_mixture(forms, radius) if forms else None
-    return found is not None and found.value.sign() >= 0
+    mixture = least_mixture(forms, radius) if forms else None
+    return mixture is not None and mixture.value.sign() >= 0
 
 
 def least_mixture(forms: Sequence[Polynomial], radius: Number | None) -> Mixture | None:
@@ -328,10 +330,10 @@ def stated_cells(
     Raises:
         BeyondReachError: for other irrational numbers, and for too many surfaces or cells.
     """
-    own = build_cells(system, radius, irrational=irrational)
-    known = {monic(surface) for surface in own.surfaces}
-    new = {monic(surface): surface for surface in (*more, *even_factors(own.asked))}
-    further = [surface for form, surface in new.items() if form not in known]
+    unrefined = build_cells(system, radius, irrational=irrational)
+    forms = {monic(surface) for surface in unrefined.surfaces}
+    new = {monic(surface): surface for surface in (*more, *even_factors(unrefined.asked))}
+    further = [surface for form, surface in new.items() if form not in forms]
     cells = build_cells(system, radius, further, irrational=irrational)
     within = None if radius is None else str(radius)
     return StatedCells(within, cells.surfaces, dict(_empty_patterns(cells, radius)), cells)
@@ -341,7 +343,7 @@ def even_factors(expressions: Iterable[Polynomial]) -> list[Polynomial]:
     """Factors of expressions, not constant, where these keep their signs: with even powers, and definite forms."""
     factored = filter(None, map(factorize, expressions))
     powers = {power for _, factors in factored for power in factors}
-    return sorted({own for own, power in powers if power % 2 == 0 or not switching_factors(own)[1]}, key=str)
+    return sorted({factor for factor, power in powers if power % 2 == 0 or not switching_factors(factor)[1]}, key=str)
 
 
 def monic(polynomial: Polynomial) -> Polynomial:
@@ -356,31 +358,33 @@ def _leading(polynomial: Polynomial) -> Number:
 def _empty_patterns(cells: SignCells, radius: Number | None) -> Iterator[tuple[str, Record]]:
     """Patterns, walked as the checker walks them: of those that have no cell the shortest beginnings, and why."""
     occurring = {cell.signs[:size] for cell in cells.cells for size in range(len(cells.surfaces) + 1)}
-    known: list[dict[int, int]] = []
+    contradictions: list[dict[int, int]] = []
     for beginning in sorted(occurring, key=len):
         for sign in (-1, 1):
             longer = (*beginning, sign)
-            if len(longer) <= len(cells.surfaces) and longer not in occurring and not _is_known(longer, known):
+            if len(longer) <= len(cells.surfaces) and longer not in occurring and not _is_known(longer, contradictions):
                 weights = _contradiction(cells, longer, radius)
-                known.append({j: longer[j] for j in weights})
+                contradictions.append({j: longer[j] for j in weights})
                 last = max(weights)
                 mixture = {
                     f"s{j}": written_number(weight / weights[last]) for j, weight in weights.items() if j != last
                 }
-                yield pattern(known[-1].get(j) for j in range(len(cells.surfaces))), {"mixture": [mixture]}
+                yield pattern(contradictions[-1].get(j) for j in range(len(cells.surfaces))), {"mixture": [mixture]}
 
 
-def _is_known(signs: Pattern, known: Sequence[dict[int, int]]) -> bool:
+def _is_known(signs: Pattern, contradictions: Sequence[dict[int, int]]) -> bool:
     """Whether signs that were found to contradict each other occur in the pattern."""
-    return any(all(j < len(signs) and signs[j] == s for j, s in own.items()) for own in known)
+    return any(
+        all(j < len(signs) and signs[j] == s for j, s in contradiction.items()) for contradiction in contradictions
+    )
 
 
 def _contradiction(cells: SignCells, signs: Pattern, radius: Number | None) -> dict[int, Number]:
     """Weights with which some affine surfaces with their signs have no positive value in the cube, or the space."""
     affine = [j for j in range(len(signs)) if cells.surfaces[j].degree == 1]
     forms = [cells.surfaces[j] * signs[j] for j in affine]
-    found = least_mixture(forms, radius)
-    weights = {} if found is None else found.weights
+    mixture = least_mixture(forms, radius)
+    weights = {} if mixture is None else mixture.weights
     return {j: weights[i] for i, j in enumerate(affine) if weights.get(i)}
 
 
@@ -431,19 +435,19 @@ def sharpened(stated: StatedCells, subject: System, search: Search) -> StatedCel
     """
     if all(surface.degree == 1 for surface in stated.surfaces):
         return stated
-    found = stated
-    known = build_inclusion(stated, subject, search)
-    signs = _sampled_signs(known.surfaces)
+    cells = stated
+    inclusion = build_inclusion(stated, subject, search)
+    signs = _sampled_signs(inclusion.surfaces)
     occurring = set(map(tuple, signs.tolist()))
-    for cell in known.cells:
-        is_known = any(_holds(cell.signs, mark) for mark in found.empty)
+    for cell in inclusion.cells:
+        is_known = any(_holds(cell.signs, mark) for mark in cells.empty)
         if cell.signs in occurring or is_known:
             continue
-        for mark in _contradictions(cell.signs, signs, known.surfaces):
+        for mark in _contradictions(cell.signs, signs, inclusion.surfaces):
             if _is_shown(stated, mark, subject, search):
-                found = replace(found, empty={**found.empty, mark: search.found[f"empty {mark}"][1]})
+                cells = replace(cells, empty={**cells.empty, mark: search.found[f"empty {mark}"][1]})
                 break
-    return found
+    return cells
 
 
 def fields_seen(stated: StatedCells, subject: System) -> set[Field]:
@@ -456,7 +460,7 @@ def fields_seen(stated: StatedCells, subject: System) -> set[Field]:
 def _sampled_signs(surfaces: Surfaces) -> Floats:
     """The signs of all surfaces at random points, one row for each point."""
     points = np.concatenate([sample_points(surfaces.domain.system.count, bounded=True, seed=k) for k in range(20)])
-    signs = [np.sign(float_values(own.terms, points)) for own in surfaces.listed]
+    signs = [np.sign(float_values(surface.terms, points)) for surface in surfaces.listed]
     return np.array(signs).reshape(len(signs), len(points)).T
 
 
@@ -467,13 +471,13 @@ def _holds(signs: Pattern, mark: str) -> bool:
 
 def _contradictions(signs: Pattern, sampled: Floats, surfaces: Surfaces) -> Iterator[str]:
     """A few of its signs, one of a curved surface among them, that no sample has together; the smallest first."""
-    curved = {j for j, own in enumerate(surfaces.listed) if own.degree > 1}
-    left = TRIALS
+    curved = {j for j, surface in enumerate(surfaces.listed) if surface.degree > 1}
+    trials = TRIALS
     for size in range(1, LARGEST + 1):
         for chosen in combinations(range(len(signs)), size):
             wanted = [signs[j] for j in chosen]
-            if left and curved.intersection(chosen) and not (sampled[:, chosen] == wanted).all(axis=1).any():
-                left -= 1
+            if trials and curved.intersection(chosen) and not (sampled[:, chosen] == wanted).all(axis=1).any():
+                trials -= 1
                 yield pattern(s if j in chosen else None for j, s in enumerate(signs))
 
 
@@ -520,8 +524,8 @@ def _is_bounded(system: SwitchedSystem, side: PiecewiseExpression) -> bool:
         if not np.isfinite(largest):
             return False
         above = multiplied(number(2 * (1 + int(largest))), scale.tree)
-        bounds = (parse_piecewise(written(plus(above, own)), system.states) for own in (side.tree, minus(side.tree)))
-        if not all(_is_positive(system, own, system.check.radius) for own in bounds):
+        bounds = (parse_piecewise(written(plus(above, tree)), system.states) for tree in (side.tree, minus(side.tree)))
+        if not all(_is_positive(system, bound, system.check.radius) for bound in bounds):
             return False
     return True
 
@@ -554,14 +558,14 @@ def _is_positive_on_square(system: SwitchedSystem, formula: PiecewiseExpression,
     except (TooManyCells, ExpressionError):
         return False
     proved = (prove(Sense.POSITIVE, piece, region, except_origin=except_origin) for region, piece in pieces)
-    return all(isinstance(own, Proof) for own in proved)
+    return all(isinstance(outcome, Proof) for outcome in proved)
 
 
 def _is_positive(system: SwitchedSystem, formula: PiecewiseExpression, radius: Number | None) -> bool:
     """On the cube of a half-width, or in the whole space; but at the checked point where it is zero there."""
     vanishes = system.is_zero_at_point(formula)
     ends = system.between_norms(formula)
-    return all(_is_positive_formula(system, own, radius, vanishes=vanishes) for own in ends)
+    return all(_is_positive_formula(system, end, radius, vanishes=vanishes) for end in ends)
 
 
 def _is_positive_formula(
@@ -570,13 +574,13 @@ def _is_positive_formula(
     states, count = system.displaced(system.states), len(system.states)
     if system.is_planar and radius is not None:
         return _is_positive_on_square(system, formula, except_origin=vanishes)
-    asked = SwitchedSystem(system.name, system.field, system.states, (formula,), system.check, system.source)
-    surfaces = tuple(s for s in asked.surfaces(states) if s.degree)
+    as_system = SwitchedSystem(system.name, system.field, system.states, (formula,), system.check, system.source)
+    surfaces = tuple(s for s in as_system.surfaces(states) if s.degree)
     bounds = () if radius is None else tuple({unit(count, k): fmpq(1)} for k in range(count))
     try:
         rho = fmpq(1) if radius is None else rational(radius)
         for signs in patterns(surfaces, radius):
-            (piece,) = asked.velocity(signs_by_factors(dict(zip(surfaces, signs, strict=True))), states)
+            (piece,) = as_system.velocity(signs_by_factors(dict(zip(surfaces, signs, strict=True))), states)
             start = piece.at_origin
             if start.as_rational() is None and start.sign() > 0:  # as a norm is that is irrational at the point
                 piece *= 1 / start

@@ -49,7 +49,7 @@ def show_reversible_of(system: SwitchedSystem) -> Entry:
         BeyondReachError: for irrational numbers that no certificate names, and for too many surfaces or cells.
     """
     subject, cells, inclusion = _at_point(system)
-    mirrors = [own for own in map(_rows, MIRRORS) if _is_reversed(subject, inclusion, own)]
+    mirrors = [mirror for mirror in map(_rows, MIRRORS) if _is_reversed(subject, inclusion, mirror)]
     if not mirrors:
         raise NotShownError("no reflection was found that reverses time")
     mirror = [[str(value) for value in row] for row in mirrors[0]]
@@ -76,7 +76,7 @@ def show_integral_of(system: SwitchedSystem) -> Entry:
     turning = _turning(inclusion)
     exponent, factors = _integrating_factor(inclusion)
     radius = inclusion.domain.radius
-    written = [[formula_in_states(own, radius, subject.states), str(power)] for own, power in factors]
+    written = [[formula_in_states(factor, radius, subject.states), str(power)] for factor, power in factors]
     stated = {"exponent": formula_in_states(exponent, radius, subject.states), "factors": written}
     return Search(WORK).entry(subject, "integral", {"cells": cells.record, **stated, **turning})
 
@@ -92,7 +92,9 @@ def reflection_text(mirror: Sequence[Sequence[str]], states: Sequence[str]) -> s
 
 def factor_text(hypotheses: Record) -> str:
     """An integrating factor, as in ``(x + 1)**-1 * exp(6*x)``."""
-    parts = [f"({own})**({power})" if "/" in power else f"({own})**{power}" for own, power in hypotheses["factors"]]
+    parts = [
+        f"({factor})**({power})" if "/" in power else f"({factor})**{power}" for factor, power in hypotheses["factors"]
+    ]
     exponent = hypotheses["exponent"]
     parts += [f"exp({exponent})"] if exponent != "0" else []
     return " * ".join(parts) or "1"
@@ -113,10 +115,10 @@ def _turning(inclusion: Inclusion) -> Record:
     Raises:
         NotShownError: where there are none.
     """
-    axes = all(len(own.terms) == 1 for own in inclusion.surfaces.listed if not own.at_origin)
+    axes = all(len(surface.terms) == 1 for surface in inclusion.surfaces.listed if not surface.at_origin)
     fields = {pattern(cell.signs): cell.fields[0][1] for cell in inclusion.cells}
     pairs = {name: _weights(field) if axes else (1, 1) for name, field in fields.items()}
-    weights = {name: list(map(str, own)) for name, own in pairs.items()}
+    weights = {name: list(map(str, pair)) for name, pair in pairs.items()}
     for sense in (1, -1):
         with suppress(NotShownError):
             show_turns(inclusion, weights, sense, SampledProofs())
@@ -170,12 +172,12 @@ def _integrating_factor(inclusion: Inclusion) -> tuple[Polynomial, Factors]:
     curves = list(_invariant_curves(fields[0])) if len(fields) == 1 else []
     monomials = powers_between(2, 1, MOST_DEGREE)
     columns = [[cofactor] for _, cofactor in curves]
-    columns += [[lie_derivative(own, field) for field in fields] for own in monomials]
+    columns += [[lie_derivative(monomial, field) for field in fields] for monomial in monomials]
     for combination in vanishing_combinations([*columns, divergences]):
         if scale := combination[-1]:
             powers = [value / scale for value in combination[: len(curves)]]
             exponent = combined(monomials, [value / scale for value in combination[len(curves) : -1]])
-            return exponent, [(own, power) for (own, _), power in zip(curves, powers, strict=True) if power]
+            return exponent, [(curve, power) for (curve, _), power in zip(curves, powers, strict=True) if power]
     raise NotShownError("no integrating factor was found")
 
 
@@ -184,18 +186,20 @@ def _inverse_factor(fields: Sequence[Field], divergences: Sequence[Polynomial]) 
     for degree in range(1, MOST_DEGREE + 1):
         monomials = powers_between(2, 0, degree)
         pairs = list(zip(fields, divergences, strict=True))
-        columns = [[lie_derivative(own, field) - own * rate for field, rate in pairs] for own in monomials]
+        columns = [
+            [lie_derivative(monomial, field) - monomial * rate for field, rate in pairs] for monomial in monomials
+        ]
         for combination in vanishing_combinations(columns):
             if combination[0]:
-                found = factorized(combined(monomials, combination))[1]
-                return [(own.times(1 / own.at_origin), Fraction(-power)) for own, power in found]
+                factors = factorized(combined(monomials, combination))[1]
+                return [(factor.times(1 / factor.at_origin), Fraction(-power)) for factor, power in factors]
     return None
 
 
 def _invariant_curves(field: Field) -> Iterator[tuple[Polynomial, Polynomial]]:
     """Curves ``q = 0`` that solutions do not cross, not through the point, each with K."""
     bent = field[0] * lie_derivative(field[1], field) - field[1] * lie_derivative(field[0], field)
-    for own, _ in factorized(bent)[1] if bent else []:
-        cofactor = lie_derivative(own, field).divided(own) if own.at_origin else None
+    for factor, _ in factorized(bent)[1] if bent else []:
+        cofactor = lie_derivative(factor, field).divided(factor) if factor.at_origin else None
         if cofactor is not None:
-            yield own.times(1 / own.at_origin), cofactor
+            yield factor.times(1 / factor.at_origin), cofactor

@@ -89,7 +89,7 @@ class FollowedField:
     def lifted(self, direction: Sequence[Fraction]) -> list[str]:
         """A vector of the subspace in all states."""
         forms = self.coordinates
-        return [str(sum((own.slope(k) * x for k, x in enumerate(direction)), Fraction(0))) for own in forms]
+        return [str(sum((form.slope(k) * x for k, x in enumerate(direction)), Fraction(0))) for form in forms]
 
 
 @dataclass(frozen=True)
@@ -132,9 +132,9 @@ def show_escape_of(system: SwitchedSystem, verdict: str, search: Search | None =
         for region in regions(motion, cells.forms):
             for k in range(RADII if _may_leave(cells, motion, region) else 0):
                 radius = Fraction(str(cells.radius)) / 4**k
-                found = search.tried(subject, "escape", _hypotheses(cells, motion, region, radius))
-                if found is not None:
-                    return found
+                entry = search.tried(subject, "escape", _hypotheses(cells, motion, region, radius))
+                if entry is not None:
+                    return entry
     raise NotShownError("no solution was found that leaves inside a cell or along a face")
 
 
@@ -145,7 +145,7 @@ def _may_leave(cells: SignCells, motion: FollowedField, region: BarrierRegion) -
         sign = sign_along(surface, direction)
         if mark != "0" and sign != "-0+".index(mark) - 1:
             return False
-    mixes = all(sign_along(own.weight, direction) >= 0 for own in motion.mixture)
+    mixes = all(sign_along(weighted.weight, direction) >= 0 for weighted in motion.mixture)
     return mixes and sign_along(lie_derivative(region.rise, motion.field), region.direction) > 0
 
 
@@ -161,8 +161,13 @@ def _hypotheses(cells: SignCells, motion: FollowedField, region: BarrierRegion, 
         "signs": motion.signs,
         "along": list(motion.along),
         "mixture": [
-            [pattern(own.cell.signs), own.number, formula_text(own.weight, cells.states), list(map(str, own.toward))]
-            for own in motion.mixture
+            [
+                pattern(weighted.cell.signs),
+                weighted.number,
+                formula_text(weighted.weight, cells.states),
+                list(map(str, weighted.toward)),
+            ]
+            for weighted in motion.mixture
         ],
         "barriers": [[written(barrier), written(factor.times(unit))] for barrier, factor in region.barriers],
         "function": written(region.rise),
@@ -186,7 +191,7 @@ def motions(cells: SignCells) -> Iterator[FollowedField]:
             if len(apart) == number:
                 yield from _between(cells, apart, first, second)
     states = identity(len(cells.states))
-    planes = [own for size in range(1, len(states) - 1) for own in combinations(states, size)]
+    planes = [forms for size in range(1, len(states) - 1) for forms in combinations(states, size)]
     for cell in near:
         for mixture in _mixtures(cell)[: len(cell.velocities)]:
             for along in (*_invariant_lines(mixture[0].field), *planes):
@@ -195,15 +200,15 @@ def motions(cells: SignCells) -> Iterator[FollowedField]:
 
 def _mixtures(cell: SignCell) -> list[list[Weighted]]:
     """Each field of a cell alone, and pairs of fields."""
-    own = cell.velocities
-    count = len(own[0])
+    fields = cell.velocities
+    count = len(fields[0])
     still = (Fraction(0),) * count
 
     def part(number: int, share: Fraction | int) -> Weighted:
-        return Weighted(cell, number, own[number], constant(count, share), still)
+        return Weighted(cell, number, fields[number], constant(count, share), still)
 
-    pairs = [[part(i, share), part(j, 1 - share)] for i, j in combinations(range(len(own)), 2) for share in SHARES]
-    return [[part(number, 1)] for number in range(len(own))] + pairs
+    pairs = [[part(i, share), part(j, 1 - share)] for i, j in combinations(range(len(fields)), 2) for share in SHARES]
+    return [[part(number, 1)] for number in range(len(fields))] + pairs
 
 
 def _apart(first: SignCell, second: SignCell) -> list[int]:
@@ -224,15 +229,18 @@ def _between(cells: SignCells, apart: Sequence[int], first: SignCell, second: Si
     signs = pattern(0 if j in apart else sign for j, sign in enumerate(first.signs))
 
     def part(cell: SignCell, number: int, field: Field, weight: Polynomial) -> Weighted:
-        toward = (sum((cell.signs[j] * own.slope(k) for j, own in surfaces.items()), Fraction(0)) for k in range(count))
+        toward = (
+            sum((cell.signs[j] * surface.slope(k) for j, surface in surfaces.items()), Fraction(0))
+            for k in range(count)
+        )
         return Weighted(cell, number, field, weight, tuple(toward))
 
     across = surfaces[apart[0]]
     for a, f in enumerate(first.velocities):
         yield from _on_subspace(cells, signs, [part(first, a, f, constant(count, 1))])
         for b, g in enumerate(second.velocities):
-            own, other = lie_derivative(across, f), lie_derivative(across, g)
-            for mixture in ((-other, own), (other, -own)):
+            speed, other = lie_derivative(across, f), lie_derivative(across, g)
+            for mixture in ((-other, speed), (other, -speed)):
                 yield from _on_subspace(cells, signs, [part(first, a, f, mixture[0]), part(second, b, g, mixture[1])])
 
 
@@ -245,15 +253,15 @@ def _on_subspace(
     """
     count = len(cells.states)
     zero = [surface for surface, sign in zip(cells.forms, signs, strict=True) if sign == "0"]
-    flat = [*along, *(own for own in zero if own.degree == 1)]
+    flat = [*along, *(surface for surface in zero if surface.degree == 1)]
     coordinates = solve(flat, count)
     if coordinates is None or not coordinates[0].count:
         return
     dimension = coordinates[0].count
     field = [constant(count, 0)] * count
-    for own in mixture:
-        field = [part + own.weight * speed for part, speed in zip(field, own.field, strict=True)]
-    if any(lie_derivative(own, field).on(coordinates, dimension) for own in (*flat, *zero)):
+    for weighted in mixture:
+        field = [part + weighted.weight * speed for part, speed in zip(field, weighted.field, strict=True)]
+    if any(lie_derivative(form, field).on(coordinates, dimension) for form in (*flat, *zero)):
         return
     free = [coordinates.index(variable(dimension, i)) for i in range(dimension)]
     names = tuple(cells.states[k] for k in free)
@@ -273,7 +281,7 @@ def _invariant_lines(field: Field) -> Iterator[tuple[Polynomial, ...]]:
         ratios = [Fraction(float(x / proposed[top])).limit_denominator(FINE) for x in proposed]
         forms = tuple(variable(count, k) - variable(count, top, ratio) for k, ratio in enumerate(ratios) if k != top)
         coordinates = solve(forms, count)
-        if coordinates is not None and not any(lie_derivative(own, field).on(coordinates, 1) for own in forms):
+        if coordinates is not None and not any(lie_derivative(form, field).on(coordinates, 1) for form in forms):
             yield forms
 
 
@@ -360,10 +368,10 @@ def _by_linear_part(motion: FollowedField) -> Iterator[BarrierRegion]:
 
 def _chetaev(matrix: Floats, mu: float) -> Iterator[BarrierRegion]:
     """``W = -x^T P x`` alone, which rises where it is positive."""
-    found = lyapunov_solution(matrix, mu, np.eye(len(matrix)))
-    if found is None:
+    solution = lyapunov_solution(matrix, mu, np.eye(len(matrix)))
+    if solution is None:
         return
-    quadratic, direction = quadratic_form(-found, FINE), rounded(np.linalg.eigh(-found)[1][:, -1])
+    quadratic, direction = quadratic_form(-solution, FINE), rounded(np.linalg.eigh(-solution)[1][:, -1])
     if quadratic.lowest_at(direction) > 0:
         yield BarrierRegion((), quadratic, direction)
 
@@ -375,10 +383,10 @@ def _half_cones(matrix: Floats, mu: float, vector: Floats, lead: Floats) -> Iter
     beside = np.eye(size) - np.outer(vector, lead)
     for width in (Fraction(1, 4), Fraction(1, 16), Fraction(1)):
         weight = beside.T @ beside + float(width) ** 2 * np.outer(lead, lead)
-        found = lyapunov_solution(matrix, mu, weight)
-        if found is None:
+        solution = lyapunov_solution(matrix, mu, weight)
+        if solution is None:
             continue
-        barrier = quadratic_form(-found, FINE)
+        barrier = quadratic_form(-solution, FINE)
         factor = constant(size, Fraction(2 * mu).limit_denominator(FINE))
         for side in (1, -1):
             rise = sum((variable(size, k, x) for k, x in enumerate(rounded(side * lead))), constant(size, 0))
@@ -394,30 +402,30 @@ def _by_double_zero(motion: FollowedField, surfaces: Field) -> Iterator[BarrierR
     sides = _sides(motion, surfaces)
     within = list(_directions(count, sides))
     for column in null_basis(jacobian * jacobian).transpose().tolist():
-        kept = jacobian * fmpq_mat([[value] for value in column])
+        image = jacobian * fmpq_mat([[value] for value in column])
         lead, late = (
-            sum((variable(count, k, as_fraction(x)) for k, x in enumerate(own)), constant(count, 0))
-            for own in (kept.entries(), column)
+            sum((variable(count, k, as_fraction(x)) for k, x in enumerate(vector)), constant(count, 0))
+            for vector in (image.entries(), column)
         )
         for further in ([], [lead], [-lead]):
             for direction in within:
-                if all(sign_along(own, direction) > 0 for own in (*further, lead * late)):
-                    barriers = tuple((own, constant(count, 0)) for own in (*sides, *further))
+                if all(sign_along(polynomial, direction) > 0 for polynomial in (*further, lead * late)):
+                    barriers = tuple((barrier, constant(count, 0)) for barrier in (*sides, *further))
                     yield BarrierRegion(barriers, lead * late, direction, SPEED)
                     break
 
 
 def _sides(motion: FollowedField, surfaces: Field) -> list[Polynomial]:
     """The surfaces through the point with their signs: what is positive in the cell of a motion."""
-    signed = [own.times("-0+".index(mark) - 1) for own, mark in zip(surfaces, motion.signs, strict=True)]
-    return [own.on(motion.coordinates, motion.count) for own in signed if own and not own.at_origin]
+    signed = [surface.times("-0+".index(mark) - 1) for surface, mark in zip(surfaces, motion.signs, strict=True)]
+    return [surface.on(motion.coordinates, motion.count) for surface in signed if surface and not surface.at_origin]
 
 
 def _directions(count: int, positive: Sequence[Polynomial]) -> Iterator[tuple[Fraction, ...]]:
     """Vectors of whole numbers at which the terms of lowest degree of polynomials are positive."""
     for drawn in np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, count)).tolist():
         direction = tuple(map(Fraction, drawn))
-        if all(own.lowest_at(direction) > 0 for own in positive):
+        if all(polynomial.lowest_at(direction) > 0 for polynomial in positive):
             yield direction
 
 
@@ -430,39 +438,39 @@ def _in_barriers(field: Field, positive: Sequence[Polynomial], rise: Polynomial)
     Nothing where no direction is seen along which they are.
     """
     barriers = []
-    for own in positive:
-        rate = lie_derivative(own, field)
-        part = (rate - rate.on(_zeros(own), own.count)).divided(own) or constant(own.count, 0)
-        barriers.append((own, part - constant(own.count, 1)))
+    for barrier in positive:
+        rate = lie_derivative(barrier, field)
+        part = (rate - rate.on(_zeros(barrier), barrier.count)).divided(barrier) or constant(barrier.count, 0)
+        barriers.append((barrier, part - constant(barrier.count, 1)))
     for direction in islice(_directions(rise.count, (*positive, rise)), 1):
         yield BarrierRegion(tuple(barriers), rise, direction, SPEED)
 
 
-def _zeros(own: Polynomial) -> list[Polynomial]:
+def _zeros(polynomial: Polynomial) -> list[Polynomial]:
     """The variables where ``a x_k + ...`` is zero, with the first x_k that stands there by itself by the others."""
-    places = list(identity(own.count))
-    alone = next(k for k in range(own.count) if own.slope(k))
-    places[alone] -= own.times(1 / own.slope(alone))
+    places = list(identity(polynomial.count))
+    alone = next(k for k in range(polynomial.count) if polynomial.slope(k))
+    places[alone] -= polynomial.times(1 / polynomial.slope(alone))
     return places
 
 
 def _with_supports(forms: Sequence[Polynomial], field: Field) -> list[Polynomial]:
     """Linear forms with those that keep them positive: where ``l' = a l + m + ...``, m, and so on."""
-    found = list(forms)
-    for own in found:  # which grows meanwhile
-        rate = lie_derivative(own, field)
-        pivot = next(k for k in range(own.count) if own.slope(k))
-        rest = part_of(rate, 1) - own.times(rate.slope(pivot) / own.slope(pivot))
-        if rest and not rate.at_origin and len(found) <= own.count and rest not in found:
-            found.append(rest)
-    return found
+    extended = list(forms)
+    for form in extended:  # which grows meanwhile
+        rate = lie_derivative(form, field)
+        pivot = next(k for k in range(form.count) if form.slope(k))
+        rest = part_of(rate, 1) - form.times(rate.slope(pivot) / form.slope(pivot))
+        if rest and not rate.at_origin and len(extended) <= form.count and rest not in extended:
+            extended.append(rest)
+    return extended
 
 
 def _along_border(motion: FollowedField, surfaces: Field) -> Iterator[BarrierRegion]:
     """Along a velocity in the border of its cell, which states keep off: ``-x, -sign(x)`` leaves beside x = 0."""
     sides = _sides(motion, surfaces)
-    rates = [lie_derivative(own, motion.field).at_origin for own in sides]
-    if all(own.degree == 1 for own in sides) and min(rates, default=1) == 0:
+    rates = [lie_derivative(side, motion.field).at_origin for side in sides]
+    if all(side.degree == 1 for side in sides) and min(rates, default=1) == 0:
         steps = (variable(motion.count, k, part.at_origin) for k, part in enumerate(motion.field))
         ahead = sum(steps, constant(motion.count, 0))
         yield from _in_barriers(motion.field, _with_supports(sides, motion.field), ahead)
@@ -481,8 +489,8 @@ def _by_pushes(motion: FollowedField) -> Iterator[BarrierRegion]:
             u = variable(motion.count, first, side)
             v = _next(u, motion.field)
             w, *supports = _with_supports([_next(v, motion.field)], motion.field)
-            held = w + (u * v * v).times(LATE)
-            yield from _in_barriers(motion.field, [u, v, held, *supports], u * v)
+            barrier = w + (u * v * v).times(LATE)
+            yield from _in_barriers(motion.field, [u, v, barrier, *supports], u * v)
 
 
 def _linear_parts(motion: FollowedField) -> list[list[int]]:
@@ -528,15 +536,15 @@ def _jacobian(field: Field) -> Floats:
 
 def _planar_rays(field: Field, degree: int) -> Iterator[Floats]:
     """Directions in the plane in which the first terms of a field lead outward, those that attract first."""
-    f, g = (part_of(own, degree) for own in field)
+    f, g = (part_of(component, degree) for component in field)
     x, y = variable(2, 0), variable(2, 1)
     across = x * g - y * f
     along = [float(across.terms.get((degree + 1 - k, k), 0)) for k in range(degree, -2, -1)]
     roots = [root.real for root in np.roots(along) if abs(root.imag) < 2.0**-30] if any(along) else []
-    found = [np.array([1.0, root]) for root in roots]
+    vectors = [np.array([1.0, root]) for root in roots]
     if not along[0]:
-        found.append(np.array([0.0, 1.0]))
-    for ray in (side * own for own in found for side in (1, -1)):
+        vectors.append(np.array([0.0, 1.0]))
+    for ray in (side * vector for vector in vectors for side in (1, -1)):
         if _at(f, ray) * ray[0] + _at(g, ray) * ray[1] > 0:
             yield ray
 

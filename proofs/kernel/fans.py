@@ -96,7 +96,9 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
         least = shown(smallest, cones, rounded[-1])  # without which there is none on a larger square
         if least is not None:
             squares = (*(cells(lines, share) for share in RADII[:-1]), smallest)
-            return next(filter(None, (shown(stated, cones, own) for stated in squares for own in rounded)), least)
+            return next(
+                filter(None, (shown(stated, cones, candidate) for stated in squares for candidate in rounded)), least
+            )
     raise NotShownError("no piecewise linear function was found that shows it")
 
 
@@ -112,14 +114,14 @@ def line_sets(system: SwitchedSystem) -> Iterator[list[Form]]:
         NotShownError: where a tangent has no name in the field.
     """
     x, y = system.displaced(system.states)
-    x, y = (own - centre for own, centre in zip((x, y), system.check.equilibrium, strict=True))
+    x, y = (coordinate - centre for coordinate, centre in zip((x, y), system.check.equilibrium, strict=True))
     lines: list[Form] = []
     for surface in system.surfaces(system.displaced(system.states)):
         if surface.degree and not surface.at_origin:
             tangents = form_lines(lowest_form(surface))
             if tangents is None:
                 raise NotShownError("a switching curve has a tangent without a rational name")
-            lines += [own for own in tangents if monic(own) not in map(monic, lines)]
+            lines += [tangent for tangent in tangents if monic(tangent) not in map(monic, lines)]
     directions = sorted({_direction(line) for line in lines}, key=_angle)
     if len(directions) < 2:
         directions = sorted({(Fraction(1), Fraction(0)), (Fraction(0), Fraction(1)), *directions}, key=_angle)
@@ -164,14 +166,16 @@ def _between(directions: Sequence[Ray]) -> Iterator[Ray]:
 def build_cones(inclusion: Inclusion) -> list[FanCone]:
     """The cones between the lines through the point among the surfaces, counterclockwise, with the cells in each."""
     listed = inclusion.surfaces.listed
-    lines = [j for j, own in enumerate(listed) if own.degree == 1 and not own.at_origin]
+    lines = [j for j, surface in enumerate(listed) if surface.degree == 1 and not surface.at_origin]
     upper = {_upper((listed[j].slope(1), -listed[j].slope(0))) for j in lines}
     rays = sorted({*upper, *((-a, -b) for a, b in upper)}, key=_angle)
     cones = []
     for start, end in zip(rays, [*rays[1:], rays[0]], strict=True):
         inner = plus(start, end)
         signs = {j: listed[j].slope(0) * inner[0] + listed[j].slope(1) * inner[1] > 0 for j in lines}
-        cells = tuple(c for c in inclusion.cells if all((c.signs[j] > 0) == own for j, own in signs.items()))
+        cells = tuple(
+            c for c in inclusion.cells if all((c.signs[j] > 0) == is_positive for j, is_positive in signs.items())
+        )
         mark = pattern(2 * signs[j] - 1 if j in signs else None for j in range(len(listed)))
         cones.append(FanCone(start, end, mark, cells))
     return cones
@@ -204,10 +208,10 @@ def falling_values(cones: Sequence[FanCone], verdict: str) -> Floats | None:
         return None
     if verdict != UNSTABLE:
         table = np.vstack([table, np.column_stack([-np.eye(count), np.ones(count)])])
-    found = solve_program(np.append(np.zeros(count), -1.0), A_ub=table, b_ub=np.zeros(len(table)), bounds=bounds)
-    if not found.success or found.x[-1] < LEAST or (verdict == UNSTABLE and found.x[:-1].min() >= 0):
+    solution = solve_program(np.append(np.zeros(count), -1.0), A_ub=table, b_ub=np.zeros(len(table)), bounds=bounds)
+    if not solution.success or solution.x[-1] < LEAST or (verdict == UNSTABLE and solution.x[:-1].min() >= 0):
         return None
-    return np.asarray(found.x[:-1])
+    return np.asarray(solution.x[:-1])
 
 
 def _rows_of_cones(cones: Sequence[FanCone], degree: int) -> Iterator[tuple[Floats, float]]:
@@ -222,7 +226,7 @@ def _rows_of_cones(cones: Sequence[FanCone], degree: int) -> Iterator[tuple[Floa
         for place in PLACES:
             direction = (1 - place) * start + place * end
             for terms in _terms(cone.cells, degree, direction):
-                velocity = next((own for own in terms if own.any()), None)
+                velocity = next((term for term in terms if term.any()), None)
                 row = np.zeros(count)
                 row[[k, (k + 1) % count]] = np.zeros(2) if velocity is None else velocity @ inverse
                 yield row, 1.0 if velocity is None else float(np.linalg.norm(velocity))
@@ -252,8 +256,8 @@ def _terms(cells: Sequence[Cell], degree: int, place: Floats) -> Iterator[Iterat
     """The terms of one degree after the other of each field of some cells, at a direction."""
     for cell in cells:
         for _, field in cell.fields:
-            degrees = range(degree, max(degree, *(own.degree for own in field)) + 1)
-            yield (np.array([_value(own, k, place) for own in field]) for k in degrees)
+            degrees = range(degree, max(degree, *(component.degree for component in field)) + 1)
+            yield (np.array([_value(component, k, place) for component in field]) for k in degrees)
 
 
 def _value(polynomial: Polynomial, degree: int, place: Floats) -> float:

@@ -97,8 +97,8 @@ def leading_direction(velocities: Floats) -> Floats | None:
         None where there is none in floats.
     """
     scaled = velocities / max(max_norm(velocities), np.finfo(float).tiny)
-    found = least_sum(-scaled, -np.ones(len(scaled)), np.ones(velocities.shape[1]), None)
-    return None if found is None else np.asarray(found / np.abs(found).max())
+    direction = least_sum(-scaled, -np.ones(len(scaled)), np.ones(velocities.shape[1]), None)
+    return None if direction is None else np.asarray(direction / np.abs(direction).max())
 
 
 # ---- linearization -------------------------------------------------------------------------------
@@ -129,9 +129,9 @@ def show_linearization_of(system: SwitchedSystem, verdict: str, search: Search |
         for quadratic in quadratics(matrix, attracts=verdict == ASYMPTOTICALLY_STABLE):
             function = formula_text(quadratic, subject.states)
             with suppress(NotShownError):
-                found = search.tried(subject, *_written(stated, function, verdict, subject, search))
-                if found is not None:
-                    return found
+                entry = search.tried(subject, *_written(stated, function, verdict, subject, search))
+                if entry is not None:
+                    return entry
     raise NotShownError("no quadratic function was found that shows it near the point")
 
 
@@ -143,10 +143,10 @@ def _written(stated: StatedCells, function: str, verdict: str, subject: System, 
 
 def common_jacobian(fields: Sequence[Field]) -> tuple[tuple[Coefficient, ...], ...] | None:
     """The one Jacobian of fields that vanish at the point; None where there is none."""
-    found = {tuple(tuple(slopes(part)) for part in field) for field in fields}
-    if len(found) != 1 or any(part.at_origin for field in fields for part in field):
+    jacobians = {tuple(tuple(slopes(part)) for part in field) for field in fields}
+    if len(jacobians) != 1 or any(part.at_origin for field in fields for part in field):
         return None
-    return found.pop()
+    return jacobians.pop()
 
 
 def first_terms_attract(system: SwitchedSystem, subject: System) -> bool:
@@ -185,10 +185,10 @@ def lyapunov_solution(matrix: Floats, mu: float, weight: Floats) -> Floats | Non
     with warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)  # of eigenvalues that are one, which floats spread
         try:
-            found = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -weight)
+            solution = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -weight)
         except RuntimeWarning:
             return None
-    return (found + found.T) / np.abs(found + found.T).max()
+    return (solution + solution.T) / np.abs(solution + solution.T).max()
 
 
 def _shifts(matrix: Floats, *, attracts: bool) -> list[float]:

@@ -55,9 +55,9 @@ class Homogeneity:
         Raises:
             BeyondReachError: for too many cells.
         """
-        own = [str(weight / order) for weight, order in zip(self.weights, self.orders, strict=True)]
+        weights = [str(weight / order) for weight, order in zip(self.weights, self.orders, strict=True)]
         cells = stated_cells(system, None, irrational=True)
-        return {"cells": cells.record, "weights": own, "entry": entry}
+        return {"cells": cells.record, "weights": weights, "entry": entry}
 
     def __str__(self) -> str:
         weights = ", ".join(f"{name}: {weight}" for name, weight in zip(self.states, self.weights, strict=True))
@@ -75,8 +75,8 @@ def homogeneity_of(system: SwitchedSystem, radius: Number | None = None) -> Homo
     at = system.named(system.check.equilibrium)
     if system.rewriting.waves or system.rewriting.denominators or any(at[name] for name in roots):
         return None
-    known = {} if system.by_roots is None else system.by_roots.roots.order
-    orders = tuple(known.get(name, 1) for name in system.stated_states)
+    root_orders = {} if system.by_roots is None else system.by_roots.roots.order
+    orders = tuple(root_orders.get(name, 1) for name in system.stated_states)
     try:
         rows = sorted(set(_rows(system, orders, radius)))
     except (BeyondReachError, SceneError):
@@ -84,11 +84,11 @@ def homogeneity_of(system: SwitchedSystem, radius: Number | None = None) -> Homo
     count = len(system.states)
     costs, bounds = [*[1.0] * count, 0.0], [*[(1.0, None)] * count, (None, None)]
     equations = np.array(rows, dtype=float).reshape(-1, count + 1)
-    found = solve_program(costs, A_eq=equations, b_eq=np.zeros(len(rows)), bounds=bounds)
-    if found.status != 0:
+    solution = solve_program(costs, A_eq=equations, b_eq=np.zeros(len(rows)), bounds=bounds)
+    if solution.status != 0:
         return None
-    *weights, degree = (Fraction(float(own)).limit_denominator(LARGEST) for own in found.x)
-    holds = all(sum(c * own for c, own in zip(row, (*weights, degree), strict=True)) == 0 for row in rows)
+    *weights, degree = (Fraction(float(value)).limit_denominator(LARGEST) for value in solution.x)
+    holds = all(sum(c * value for c, value in zip(row, (*weights, degree), strict=True)) == 0 for row in rows)
     if not holds or min(weights) <= 0:
         return None
     of_states = tuple(weight * order for weight, order in zip(weights, orders, strict=True))

@@ -83,22 +83,22 @@ def find_by_next_terms(system: SwitchedSystem) -> Entry | None:
         for weights in WEIGHTS:
             for bends in _bends(system, weights):
                 first = stated_cells(system, system.check.radius, bends).record
-                for own in _proposals(subject, first, bends, weights):
+                for energy in _proposals(subject, first, bends, weights):
                     squares = (stated_cells(system, system.check.radius * share, bends).record for share in SHARES)
-                    found = next(filter(None, (_shown(subject, cells, own) for cells in squares)), None)
-                    if found is not None:
-                        return found
+                    entry = next(filter(None, (_shown(subject, cells, energy) for cells in squares)), None)
+                    if entry is not None:
+                        return entry
     return None
 
 
 def _bends(system: SwitchedSystem, weights: Weights) -> Iterator[tuple[Polynomial, ...]]:
     """The surfaces on which V bends: those of the field through the point and a heavy axis, then more of weight one."""
     x, y = system.coordinates()
-    own = [surface for surface in system.surfaces(system.displaced(system.states)) if not surface.at_origin]
+    surfaces = [surface for surface in system.surfaces(system.displaced(system.states)) if not surface.at_origin]
     heavy = [axis for axis, weight in zip((x, y), weights, strict=True) if weight > 1]
-    yield _each_once([*own, *heavy])
+    yield _each_once([*surfaces, *heavy])
     if not heavy:
-        yield _each_once([*own, x, y, x + y, x - y])
+        yield _each_once([*surfaces, x, y, x + y, x - y])
 
 
 def _each_once(surfaces: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
@@ -112,16 +112,16 @@ def _proposals(
     points = _samples(weights)
     for q in DECIDING:
         basis = list(_basis(subject.states, bends, weights, q + 1))
-        functions = Functions(subject, {**cells, "empty": []}, [own.text for own in basis])
+        functions = Functions(subject, {**cells, "empty": []}, [function.text for function in basis])
         claims = [functions.claims_on_cells(k) for k in range(len(basis))]
-        kept = vanishing_columns([_terms_below(own, weights, q) for own in claims])
-        if not kept.ncols():
+        null_space = vanishing_columns([_terms_below(of_function, weights, q) for of_function in claims])
+        if not null_space.ncols():
             continue
         deciding = partial(_part, weights=weights, wanted=range(q, q + 1))
         places = ((same, k) for same in zip(*claims, strict=True) for k in range(len(same[0].inequalities)))
         rows = np.vstack([values_inside(same, k, points, deciding) for same, k in places])
-        for chosen in proposed(rows @ np.array(kept.tolist(), dtype=float)):
-            coefficients = coefficients_of(kept, chosen)
+        for chosen in proposed(rows @ np.array(null_space.tolist(), dtype=float)):
+            coefficients = coefficients_of(null_space, chosen)
             near = values(functions, lambda _: points)[1] @ np.array(coefficients, dtype=float)
             yield SuggestedEnergy(formula_text(basis, coefficients), positive=bool(near.min() > 0))
 
@@ -130,12 +130,12 @@ def _basis(
     states: Sequence[str], bends: Sequence[Polynomial], weights: Weights, most: int
 ) -> Iterator[PiecewiseFunction]:
     """Monomials, and these times the absolute values of surfaces, of weights 2 to a largest one."""
-    factors = [(0, ""), *((min(_weight(own, weights) for own in s.terms), bent(s).text) for s in bends)]
+    factors = [(0, ""), *((min(_weight(exponents, weights) for exponents in s.terms), bent(s).text) for s in bends)]
     for least, factor in factors:
-        for own in chain.from_iterable(monomials_of(len(states), degree) for degree in range(most + 1)):
-            weight = least + _weight(own, weights)
+        for exponents in chain.from_iterable(monomials_of(len(states), degree) for degree in range(most + 1)):
+            weight = least + _weight(exponents, weights)
             if 2 <= weight <= most:
-                yield PiecewiseFunction("*".join(filter(None, [factor, *written_powers(states, own)])), weight)
+                yield PiecewiseFunction("*".join(filter(None, [factor, *written_powers(states, exponents)])), weight)
 
 
 def _weight(exponents: Exponents, weights: Weights) -> int:
@@ -144,13 +144,13 @@ def _weight(exponents: Exponents, weights: Weights) -> int:
 
 def _part(terms: Mapping[Exponents, Any], weights: Weights, wanted: range) -> dict[Exponents, Any]:
     """The terms of some weights."""
-    return {own: c for own, c in terms.items() if _weight(own, weights) in wanted}
+    return {exponents: c for exponents, c in terms.items() if _weight(exponents, weights) in wanted}
 
 
 def _terms_below(claims: Sequence[Claim], weights: Weights, weight: int) -> list[CheckedPolynomial]:
     """Those of lower weight in the derivatives on all cells."""
-    rates = [own.value for claim in claims for own in claim.inequalities]
-    return [CheckedPolynomial(own.count, _part(own.terms, weights, range(weight))) for own in rates]
+    rates = [inequality.value for claim in claims for inequality in claim.inequalities]
+    return [CheckedPolynomial(rate.count, _part(rate.terms, weights, range(weight))) for rate in rates]
 
 
 def _samples(weights: Weights) -> Floats:

@@ -61,16 +61,16 @@ def find_quotient(system: SwitchedSystem, *, everywhere: bool = False, stated: b
         return None
     try:
         subject, _ = started(system)
-        whole, cube = (stated_cells(system, own).record for own in (None, system.check.radius))
+        whole, cube = (stated_cells(system, radius).record for radius in (None, system.check.radius))
     except (BeyondReachError, NotShownError, SceneError):
         return None
     beyond = not system.rewriting.denominators and system.by_roots is None and not system.rewriting.waves
-    own = [[part.text for part in system.check.quotient or ()]]
+    quotients = [[part.text for part in system.check.quotient or ()]]
     tried = 0
-    for top, bottom in own if stated else _quotients(subject, cube):
-        asked = stability_hypotheses(whole, top, ASYMPTOTICALLY_STABLE) | {"denominator": bottom, "everywhere": True}
-        ways = [asked, *(asked | {"proper": factor} for factor in FACTORS)] if beyond else []
-        for hypotheses in ways if everywhere else (*ways, asked | {"cells": cube, "everywhere": False}):
+    for top, bottom in quotients if stated else _quotients(subject, cube):
+        common = stability_hypotheses(whole, top, ASYMPTOTICALLY_STABLE) | {"denominator": bottom, "everywhere": True}
+        ways = [common, *(common | {"proper": factor} for factor in FACTORS)] if beyond else []
+        for hypotheses in ways if everywhere else (*ways, common | {"cells": cube, "everywhere": False}):
             try:
                 SampledProofs().entry(subject, "lyapunov", hypotheses)
                 tried += 1
@@ -106,7 +106,7 @@ def _quotients(subject: System, cube: Record) -> Iterator[tuple[str, str]]:
         bottom = f"({' + '.join(f'{x}**2' for x in states)})"
         power = degree // 2 - 1
         try:
-            one = [formula_text(Polynomial(len(states), {own: Fraction(1)}), states) for own in forms]
+            one = [formula_text(Polynomial(len(states), {exponents: Fraction(1)}), states) for exponents in forms]
             claims = _claims(subject, cube, one, power)
         except RejectedError:
             return
@@ -134,29 +134,29 @@ def _claims(subject: System, cube: Record, forms: Sequence[str], power: int) -> 
 def kept_forms(claims: Sequence[Sequence[Claim]]) -> fmpq_mat:
     """The sums of functions, in columns, that the lowest terms of all fields leave as they are."""
     falling = [[claim for claim in same if claim.name.startswith("cell")] for same in claims]
-    falls = [[own.value for claim in same for own in claim.inequalities] for same in falling]
-    lowest = min((sum(e) for own in falls for value in own for e in value.terms), default=0)
-    return vanishing_columns([[part_of(value, lowest) for value in own] for own in falls])
+    falls = [[inequality.value for claim in same for inequality in claim.inequalities] for same in falling]
+    lowest = min((sum(e) for values in falls for value in values for e in value.terms), default=0)
+    return vanishing_columns([[part_of(value, lowest) for value in values] for values in falls])
 
 
 def coefficients_of(basis: fmpq_mat, chosen: Sequence[Fraction]) -> list[Fraction]:
     """Those of a sum of the columns of a basis."""
-    own = basis * fmpq_mat([[as_fmpq(c)] for c in chosen])
-    return list(map(as_fraction, own.entries()))
+    combination = basis * fmpq_mat([[as_fmpq(c)] for c in chosen])
+    return list(map(as_fraction, combination.entries()))
 
 
 def _rows(claims: Sequence[Sequence[Claim]]) -> Floats:
     """The values of all inequalities at samples, a column for each form; each must be positive."""
-    found = []
+    blocks = []
     for same in zip(*claims, strict=True):
         points = sample_points(same[0].count, bounded=True)
         for number in range(len(same[0].inequalities)):
-            found.append(values_inside(same, number, points))
-    return np.vstack(found)
+            blocks.append(values_inside(same, number, points))
+    return np.vstack(blocks)
 
 
 def values_inside(
-    same: Sequence[Claim], number: int, points: Floats, kept: Callable[[Any], Any] = lambda terms: terms
+    same: Sequence[Claim], number: int, points: Floats, select: Callable[[Any], Any] = lambda terms: terms
 ) -> Floats:
     """One inequality of claims that differ in the function alone, where its guards hold, a column for each claim.
 
@@ -164,12 +164,12 @@ def values_inside(
         same: the claims.
         number: of the inequality in each.
         points: shape (points, states).
-        kept: which terms of the polynomials are looked at; all unless given.
+        select: which terms of the polynomials are looked at; all unless given.
     """
     inside = np.ones(len(points), dtype=bool)
     for guard in same[0].inequalities[number].guards.values():
         inside &= float_values(guard.terms, points) >= 0
-    values = [float_values(kept(claim.inequalities[number].value.terms), points[inside]) for claim in same]
+    values = [float_values(select(claim.inequalities[number].value.terms), points[inside]) for claim in same]
     return np.stack(values, axis=1)
 
 
@@ -182,4 +182,8 @@ def proposed(rows: Floats) -> Iterator[list[Fraction]]:
     chosen = with_margin(rows, np.ones(rows.shape[1]))
     if chosen is None:
         return
-    yield from (own for own in roundings(chosen, DENOMINATORS) if (rows @ np.array(own, dtype=float) > 0).all())
+    yield from (
+        coefficients
+        for coefficients in roundings(chosen, DENOMINATORS)
+        if (rows @ np.array(coefficients, dtype=float) > 0).all()
+    )

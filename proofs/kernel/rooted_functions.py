@@ -78,8 +78,8 @@ class Product(NamedTuple):
         parts = []
         for root, exponent, turned in zip(roots, self.powers, self.turned, strict=True):
             parts += [f"Abs({root})"] if turned else []
-            left = exponent - turned
-            parts += [root if left == 1 else f"{root}**{left}"] if left else []
+            rest = exponent - turned
+            parts += [root if rest == 1 else f"{root}**{rest}"] if rest else []
         return "*".join(parts)
 
     def unit(self, units: Sequence[Fraction]) -> Fraction:
@@ -125,18 +125,18 @@ class InRoots(NamedTuple):
         return {**stated, "roots": self.roots}
 
 
-def seen_in_roots(system: SwitchedSystem, known: Homogeneity | None) -> InRoots | None:
+def seen_in_roots(system: SwitchedSystem, homogeneity: Homogeneity | None) -> InRoots | None:
     """A homogeneous system with roots of which the weights are all one; None where there are no such roots.
 
     Raises:
         BeyondReachError, NotShownError: for systems that no certificate can name, and too many cells.
     """
-    if known is None or len(system.states) not in STATES or any(system.check.equilibrium):
+    if homogeneity is None or len(system.states) not in STATES or any(system.check.equilibrium):
         return None
-    unit = min(known.weights)
-    shared = lcm(*((own / unit).denominator for own in (*known.weights, known.degree)))
-    *orders, degree = (int(own / unit * shared) for own in (*known.weights, known.degree))
-    if max(orders) > MAX_ORDER or any(map(mod, orders, known.orders)):
+    unit = min(homogeneity.weights)
+    shared = lcm(*((value / unit).denominator for value in (*homogeneity.weights, homogeneity.degree)))
+    *orders, degree = (int(value / unit * shared) for value in (*homogeneity.weights, homogeneity.degree))
+    if max(orders) > MAX_ORDER or any(map(mod, orders, homogeneity.orders)):
         return None
     roots = {name: order for name, order in zip(system.stated_states, orders, strict=True) if order > 1}
     if not roots:
@@ -145,24 +145,24 @@ def seen_in_roots(system: SwitchedSystem, known: Homogeneity | None) -> InRoots 
     rooted = with_roots(system, orders)
     axes = surfaces_of(rooted, parse_piecewise(" + ".join(f"Abs({w})" for w in rooted.states), rooted.states))
     cells = stated_cells(rooted, rooted.check.radius, axes).record
-    seen = Inclusion(in_roots(subject, roots), {**cells, "empty": []}, ["0"], Collected())
-    units = balanced_units(seen, orders)
+    inclusion = Inclusion(in_roots(subject, roots), {**cells, "empty": []}, ["0"], Collected())
+    units = balanced_units(inclusion, orders)
     return InRoots(subject, roots, tuple(orders), {**cells, "within": list(map(str, units))}, degree, units)
 
 
-def balanced_units(seen: Inclusion, orders: Sequence[int]) -> tuple[Fraction, ...]:
+def balanced_units(inclusion: Inclusion, orders: Sequence[int]) -> tuple[Fraction, ...]:
     """Units of roots in which the coefficients of all velocities are alike, by least squares of their logarithms.
 
     With ``w_k = s_k v_k`` a term ``c w^e`` of the velocity of a state has the size ``c s^e/s_k^q_k`` in units of these.
     """
     rows, sizes = list[list[int]](), list[float]()
-    for field in {field for cell in seen.cells for _, field in cell.fields}:
+    for field in {field for cell in inclusion.cells for _, field in cell.fields}:
         for k, part in enumerate(field):
             for exponents, coefficient in part.terms.items():
                 rows.append([*(e - orders[k] * (j == k) for j, e in enumerate(exponents)), -1])  # and the unit of time
                 sizes.append(-log2(abs(coefficient)))
     logarithms = np.linalg.lstsq(np.array(rows, dtype=float), np.array(sizes))[0]
-    return tuple(Fraction(2) ** round(float(own)) for own in logarithms[:-1])
+    return tuple(Fraction(2) ** round(float(logarithm)) for logarithm in logarithms[:-1])
 
 
 def find_function_of_states(system: SwitchedSystem) -> Entry | None:
@@ -191,7 +191,7 @@ def _shown(about: InRoots, function: Function) -> Entry:
     """
     directions, text = np.array(list(product((1, -1, 3, -3), repeat=len(about.units)))), text_of(about, function)
     places = directions * np.array(about.units, dtype=float)
-    values = sum(float(coefficient) * own.at_places(places) for coefficient, own in function)
+    values = sum(float(coefficient) * term.at_places(places) for coefficient, term in function)
     if np.min(values) < 0:
         stated = instability_hypotheses(about.cells, text, directions[np.argmin(values)].tolist())
         return Search().entry(about.subject, "instability", about.hypotheses(stated))
@@ -202,9 +202,9 @@ def _shown(about: InRoots, function: Function) -> Entry:
 def text_of(about: InRoots, function: Function) -> str:
     """A sum of products as a formula."""
     parts = []
-    for coefficient, own in function:
+    for coefficient, term in function:
         size = "" if abs(coefficient) == 1 else f"{abs(coefficient)}*"
-        parts.append(f"{'-' if coefficient < 0 else '+'} {size}{own.text(about.seen.coordinates)}")
+        parts.append(f"{'-' if coefficient < 0 else '+'} {size}{term.text(about.seen.coordinates)}")
     text = " ".join(parts)
     return f"-{text[2:]}" if text.startswith("-") else text[2:]
 
@@ -218,11 +218,11 @@ def _proposals(about: InRoots) -> Iterator[Function]:
     highest = 2 * max(about.orders) + BEYOND
     for degree in range(max(about.orders) + 1, highest + 1):
         listed = list(products(about.orders, degree))
-        known, units = functions_of(about, listed), units_of(about, listed)
-        claims = [known.claims(k) for k in range(len(listed))]
+        functions, units = functions_of(about, listed), units_of(about, listed)
+        claims = [functions.claims(k) for k in range(len(listed))]
         few, every = _rows(claims, _that_are_positive, units)
-        for kept in (of_two_fields, _of_cells):
-            some, falls = _rows(claims, kept, units)
+        for select in (of_two_fields, _of_cells):
+            some, falls = _rows(claims, select, units)
             chosen = _positive(some, falls)
             if chosen is None:
                 continue
@@ -237,13 +237,13 @@ def _proposals(about: InRoots) -> Iterator[Function]:
 
 def functions_of(about: InRoots, listed: Sequence[Product]) -> Functions:
     """Products as functions of which claims are asked."""
-    texts = [own.text(about.seen.coordinates) for own in listed]
+    texts = [term.text(about.seen.coordinates) for term in listed]
     return Functions(about.seen, {**about.cells, "empty": []}, texts)
 
 
 def units_of(about: InRoots, listed: Sequence[Product]) -> Floats:
     """The values of products at the corner of the box where all roots are positive."""
-    return np.array([float(own.unit(about.units)) for own in listed])
+    return np.array([float(term.unit(about.units)) for term in listed])
 
 
 def _positive(rows: Floats, every: Floats) -> Floats | None:
@@ -282,9 +282,11 @@ def of_two_fields(claims: Iterable[Claim]) -> Iterator[Claim]:
             yield from pairs(claim) if count else [claim]
 
 
-def _rows(claims: Sequence[Sequence[Claim]], kept: Kept, units: Floats) -> tuple[Floats, Floats]:
+def _rows(claims: Sequence[Sequence[Claim]], select: Kept, units: Floats) -> tuple[Floats, Floats]:
     """The values at few and at more samples that must be positive, over their sizes, a column for each function."""
-    few, every = (at_samples([list(kept(own)) for own in claims], seeds) / units for seeds in (FEW_SEEDS, SEEDS))
+    few, every = (
+        at_samples([list(select(of_function)) for of_function in claims], seeds) / units for seeds in (FEW_SEEDS, SEEDS)
+    )
     return _normalized(few), _normalized(every)
 
 
@@ -296,8 +298,8 @@ def _normalized(rows: Floats) -> Floats:
 
 def at_samples(claims: Sequence[Sequence[Claim]], seeds: tuple[int, ...]) -> Floats:
     """The values of inequalities at random points, a column for each list of claims."""
-    found = [values_inside(same, 0, samples(same[0].count, seeds)) for same in zip(*claims, strict=True)]
-    return np.vstack(found)
+    blocks = [values_inside(same, 0, samples(same[0].count, seeds)) for same in zip(*claims, strict=True)]
+    return np.vstack(blocks)
 
 
 @lru_cache(maxsize=16)
@@ -309,13 +311,17 @@ def samples(count: int, seeds: tuple[int, ...]) -> Floats:
 
 def _rounded(chosen: Floats, rows: Floats) -> list[Fraction] | None:
     """Coefficients in the shortest numbers with which all rows stay positive; None where those are too long."""
-    served = (own for own in roundings(chosen, DENOMINATORS) if (rows @ np.array(own, dtype=float) > 0).all())
+    served = (
+        coefficients
+        for coefficients in roundings(chosen, DENOMINATORS)
+        if (rows @ np.array(coefficients, dtype=float) > 0).all()
+    )
     return next(served, None)
 
 
 def in_units(chosen: Sequence[Fraction], listed: Sequence[Product], about: InRoots) -> Function:
     """A sum of products whose coefficients are given in the units of roots."""
-    return [(c / own.unit(about.units), own) for c, own in zip(chosen, listed, strict=True) if c]
+    return [(c / term.unit(about.units), term) for c, term in zip(chosen, listed, strict=True) if c]
 
 
 def products(orders: Sequence[int], degree: int) -> Iterator[Product]:

@@ -74,8 +74,8 @@ class Search(Proofs):
         Raises:
             NotShownError: where none is found.
         """
-        found = self.found.get(claim.name)
-        if found is None or found[0] != claim:
+        earlier = self.found.get(claim.name)
+        if earlier is None or earlier[0] != claim:
             evidence = self._evidence(claim)
             if evidence is None:
                 self.missed[claim.name] = claim
@@ -87,8 +87,8 @@ class Search(Proofs):
     def _evidence(self, claim: Claim) -> Any:
         if self.missed.get(claim.name) == claim:
             return None
-        known = self.known.get(claim.name)
-        outcome = Proof(claim, known) if known else decide_claim(claim, self.work)
+        evidence = self.known.get(claim.name)
+        outcome = Proof(claim, evidence) if evidence else decide_claim(claim, self.work)
         return outcome.evidence if isinstance(outcome, Proof) else None
 
     def shows(self, claim: Claim) -> bool:
@@ -112,11 +112,11 @@ class Search(Proofs):
         """
         self.used, self.are_forms = [], True
         try:
-            shown = THEOREMS[theorem](system, hypotheses, self)
+            statements = THEOREMS[theorem](system, hypotheses, self)
         except RejectedError as error:
             raise NotShownError(f"required {error}") from None
         proofs = {name: self.found[name][1] for name in self.used}
-        return {"theorem": theorem, "hypotheses": hypotheses, "proofs": proofs}, shown
+        return {"theorem": theorem, "hypotheses": hypotheses, "proofs": proofs}, statements
 
     def tried(self, system: System, theorem: str, hypotheses: Record) -> Entry | None:
         """The same, of hypotheses that no sample refutes; None where one is not shown."""
@@ -197,8 +197,8 @@ def negative_direction(stated: Lyapunov, near: Sequence[Floats] = ()) -> tuple[F
     least.
     """
     source, shape = np.random.default_rng(0), (DIRECTIONS, stated.count)
-    least = (_least_directions(own) for own in dict.fromkeys(map(stated.potential, stated.inclusion.cells)))
-    about = (own / np.abs(own).max() + _nearer(source.normal(size=shape)) for own in chain(near, *least))
+    least = (_least_directions(piece) for piece in dict.fromkeys(map(stated.potential, stated.inclusion.cells)))
+    about = (vector / np.abs(vector).max() + _nearer(source.normal(size=shape)) for vector in chain(near, *least))
     for drawn in chain([source.integers(-9, 10, shape)], about, [source.normal(size=shape)]):
         for candidate in drawn:
             direction = tuple(Fraction(float(x)).limit_denominator(FINE) for x in candidate)
@@ -233,7 +233,7 @@ class Kind:
 
 
 def _place_of_mixtures(claim: Claim) -> int | None:
-    return 0 if all(own.value.degree <= 1 for own in claim.inequalities) else None
+    return 0 if all(inequality.value.degree <= 1 for inequality in claim.inequalities) else None
 
 
 def _place_of_simplices(claim: Claim) -> int | None:
@@ -265,10 +265,10 @@ def decide_claim(
         but: a kind that is not asked, because it was.
     """
     places = [(kind.place(claim), kind) for kind in KINDS if kind is not but]
-    for _, kind in sorted(((place, kind) for place, kind in places if place is not None), key=lambda own: own[0]):
-        found = kind.search(claim, work)
-        if found is not None:
-            return found if isinstance(found, Counterexample) else Proof(claim, found)
+    for _, kind in sorted(((place, kind) for place, kind in places if place is not None), key=lambda pair: pair[0]):
+        outcome = kind.search(claim, work)
+        if outcome is not None:
+            return outcome if isinstance(outcome, Counterexample) else Proof(claim, outcome)
     return Undecided(claim)
 
 
@@ -278,8 +278,8 @@ def search_mixture(claim: Claim) -> Record | None:
     Args:
         claim: any one; where a guard or p is not affine, or functions mu are asked for, nothing is found.
     """
-    found = [_multipliers(claim, inequality) for inequality in claim.inequalities]
-    return None if None in found else {"mixture": found}
+    multipliers = [_multipliers(claim, inequality) for inequality in claim.inequalities]
+    return None if None in multipliers else {"mixture": multipliers}
 
 
 def _multipliers(claim: Claim, inequality: Inequality) -> dict[str, str] | None:
@@ -289,10 +289,10 @@ def _multipliers(claim: Claim, inequality: Inequality) -> dict[str, str] | None:
     """
     if inequality.pushes or inequality.value.degree > 1:
         return None
-    named = {name: own for name, own in inequality.guards.items() if own.degree == 1 and name[0] == "s"}
+    named = {name: guard for name, guard in inequality.guards.items() if guard.degree == 1 and name[0] == "s"}
     field, count = NumberField() if claim.field is None else twin(claim.field), claim.count
-    columns = [[field(exact(value)) for value in slopes(own)] for own in named.values()]
-    prices = [field(exact(-own.at_origin)) for own in named.values()]
+    columns = [[field(exact(value)) for value in slopes(guard)] for guard in named.values()]
+    prices = [field(exact(-guard.at_origin)) for guard in named.values()]
     for k in range(count if claim.bounded else 0):
         for side in (1, -1):
             columns.append([field(side * int(i == k)) for i in range(count)])
@@ -301,15 +301,15 @@ def _multipliers(claim: Claim, inequality: Inequality) -> dict[str, str] | None:
     if not count or not columns:
         return {} if not any(slopes(inequality.value)) and _is_enough(claim, inequality.value.at_origin) else None
     try:
-        found = best_mixture(columns, target, prices)
+        mixture = best_mixture(columns, target, prices)
     except ValueError:  # unbounded: no point has all these signs
         return None
-    if found is None:
+    if mixture is None:
         return None
-    if not _is_enough(claim, found.value + exact(inequality.value.at_origin)):
+    if not _is_enough(claim, mixture.value + exact(inequality.value.at_origin)):
         return None
     names = list(named)
-    return {names[k]: written_number(weight) for k, weight in found.weights.items() if k < len(names)}
+    return {names[k]: written_number(weight) for k, weight in mixture.weights.items() if k < len(names)}
 
 
 def _is_enough(claim: Claim, rest: Any) -> bool:
@@ -426,16 +426,16 @@ class Functions(Lyapunov):
         key = face.zero, tuple(signs.items()), self.below
         if key not in self._known:
             self._known[key] = super()._guards(face, signs, cell)
-        found: dict[str, Polynomial] | None = self._known[key]
-        return found
+        guards: dict[str, Polynomial] | None = self._known[key]
+        return guards
 
     def _pushes(self, face: Face, field: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
         """The pushes of a field of a cell on a face, which are the same for all functions."""
         key = face.zero, id(field)
         if key not in self._known:
             self._known[key] = super()._pushes(face, field)
-        found: tuple[Polynomial, ...] = self._known[key]
-        return found
+        pushes: tuple[Polynomial, ...] = self._known[key]
+        return pushes
 
     def claims(self, number: int = 0, *, positive: bool = True, strict: bool = True) -> list[Claim]:
         """What Lyapunov's theorem asks of a function: that it is positive, and that it falls."""

@@ -78,20 +78,20 @@ def find_second(
     """
     search, tries = search or Search(), 0
 
-    def extended(known: list[Any]) -> Record | None:
+    def extended(functions: list[Any]) -> Record | None:
         """The hypothesis with some functions, and further ones where places are left."""
         nonlocal tries
         tries += 1
         try:
-            survey = Survey(system, cells, function, known, search, below)
+            survey = Survey(system, cells, function, functions, search, below)
         except (NotShownError, RejectedError):
             return None
         if not survey.left:
-            return {"functions": known, "zeros": survey.zeros}
-        for candidate in next_functions(survey) if len(known) < MAX_OTHERS else ():
-            found = extended([*known, candidate])
-            if found is not None or tries >= MOST_TRIES:
-                return found
+            return {"functions": functions, "zeros": survey.zeros}
+        for candidate in next_functions(survey) if len(functions) < MAX_OTHERS else ():
+            hypothesis = extended([*functions, candidate])
+            if hypothesis is not None or tries >= MOST_TRIES:
+                return hypothesis
         return None
 
     return extended([*others])
@@ -149,7 +149,7 @@ class Survey(Chain):
     ) -> None:
         self.system, self.stated = system, cells
         super().__init__(Inclusion(system, dict(cells), [function, *others], search), search, {})
-        self.below, self.failed = below, {own.split(THEN)[0] for own in search.missed}
+        self.below, self.failed = below, {name.split(THEN)[0] for name in search.missed}
         self.left: list[tuple[Cell, Samples]] = []
         if any(_mixtures(place, cells) > MOST_MIXTURES for place, _, cells in self.bends):
             raise NotShownError("too many mixtures of velocities that slide on a face")
@@ -169,10 +169,10 @@ class Survey(Chain):
 
     def sampled(self, place: Face, cells: Sequence[Cell]) -> Samples:
         """Points of a place where V is below the level."""
-        found = sampled(place, cells)
+        samples = sampled(place, cells)
         if self.below is None:
-            return found
-        return found.where(float_values(cells[0].functions[0].terms, found.points) < float(self.below))
+            return samples
+        return samples.where(float_values(cells[0].functions[0].terms, samples.points) < float(self.below))
 
     def bound(self, name: str, step: int, place: Face, cells: Sequence[Cell]) -> Bound | None:
         """Propose a bound of the rate of a step; None where it is positive at all points that are looked at."""
@@ -192,11 +192,11 @@ class Survey(Chain):
         if terms is None:
             return None
         written = bounds.written(terms)
-        found = Bound(written, place, signs)
-        if is_positive and not found.places():
+        bound = Bound(written, place, signs)
+        if is_positive and not bound.places():
             return None
         self.zeros[name] = written
-        return found
+        return bound
 
 
 def rates(functions: Sequence[Polynomial], step: int, points: Floats, velocities: Floats) -> tuple[Floats, Floats]:
@@ -208,7 +208,7 @@ def rates(functions: Sequence[Polynomial], step: int, points: Floats, velocities
 
 def slopes_along(samples: Samples, functions: Sequence[Polynomial]) -> Floats:
     """The rates of functions at points along their velocities, of shape (m, k)."""
-    slopes = [np.sum(gradient(own, samples.points) * samples.velocities, axis=1) for own in functions]
+    slopes = [np.sum(gradient(function, samples.points) * samples.velocities, axis=1) for function in functions]
     return np.stack(slopes, axis=1)
 
 
@@ -228,15 +228,15 @@ class Samples:
 
     def still(self, functions: Sequence[Polynomial]) -> Samples:
         """Those where some functions stay constant."""
-        kept = np.ones(len(self.points), dtype=bool)
+        mask = np.ones(len(self.points), dtype=bool)
         for k in range(len(functions)):
             values, sizes = rates(functions, k, self.points, self.velocities)
-            kept &= np.abs(values) <= SMALL * sizes
-        return self.where(kept)
+            mask &= np.abs(values) <= SMALL * sizes
+        return self.where(mask)
 
-    def where(self, kept: Mask) -> Samples:
+    def where(self, mask: Mask) -> Samples:
         """Some of them."""
-        return Samples(self.coordinates[kept], self.points[kept], self.velocities[kept])
+        return Samples(self.coordinates[mask], self.points[mask], self.velocities[mask])
 
 
 def _mixtures(place: Face, cells: Sequence[Cell]) -> int:
@@ -278,21 +278,21 @@ def points_of(place: Face) -> Floats:
     """Coordinates of points on several scales: in subspaces of coordinates, and from there on affine surfaces."""
     size, rng = place.dimension, np.random.default_rng(0)
     subsets = list(product((0.0, 1.0), repeat=size)) if size <= 4 else [tuple(np.ones(size)), *map(tuple, np.eye(size))]
-    found = [np.zeros((1, size))]
+    points = [np.zeros((1, size))]
     for scale, chosen in product(SCALES, subsets):
         drawn = rng.uniform(-1, 1, (DIRECTIONS, size)) * np.array(chosen)
-        found.append(scale * drawn / np.max(np.abs(drawn), axis=1, keepdims=True, initial=NEAR))
-    return with_projected(place, np.vstack(found))
+        points.append(scale * drawn / np.max(np.abs(drawn), axis=1, keepdims=True, initial=NEAR))
+    return with_projected(place, np.vstack(points))
 
 
 def with_projected(place: Face, points: Floats) -> Floats:
     """Coordinates of points of a place, with those nearest to them on affine surfaces; each once."""
     projected = [points]
     for surface in place.inclusion.surfaces.listed:
-        own = place.restricted(surface)
-        if own.degree == 1:
-            normal = np.array(slopes(own), dtype=float)
-            projected.append(points - np.outer(float_values(own.terms, points), normal) / (normal @ normal))
+        form = place.restricted(surface)
+        if form.degree == 1:
+            normal = np.array(slopes(form), dtype=float)
+            projected.append(points - np.outer(float_values(form.terms, points), normal) / (normal @ normal))
     return distinct_rows(np.round(np.vstack(projected), 12))
 
 
@@ -309,18 +309,18 @@ def extreme_velocities(fields: Sequence[tuple[Mask, Floats]], normals: Sequence[
     target = np.r_[np.zeros(len(normals)), 1.0]
     # More velocities than independent normals and one are mixtures of mixtures of fewer (Caratheodory).
     rank = int(np.linalg.matrix_rank(np.stack(normals, axis=1)).max(initial=0)) if normals else 0
-    found = []
+    extremes = []
     for size in range(1, rank + 2):
         for chosen in combinations(fields, size):
-            (own,) = np.nonzero(np.all([acts for acts, _ in chosen], axis=0))
-            velocities = np.stack([velocity[own] for _, velocity in chosen], axis=2)
-            rows = [np.einsum("mi,mis->ms", normal[own], velocities) for normal in normals]
-            matrix = np.stack([*rows, np.ones((len(own), size))], axis=1)
+            (indices,) = np.nonzero(np.all([acts for acts, _ in chosen], axis=0))
+            velocities = np.stack([velocity[indices] for _, velocity in chosen], axis=2)
+            rows = [np.einsum("mi,mis->ms", normal[indices], velocities) for normal in normals]
+            matrix = np.stack([*rows, np.ones((len(indices), size))], axis=1)
             weights = _weights(matrix, target)
             mixes = np.all(weights > NEAR, axis=1)
             mixes &= np.all(np.abs(np.einsum("mrs,ms->mr", matrix, weights) - target) <= NEAR, axis=1)
-            found.append((own[mixes], np.einsum("mis,ms->mi", velocities[mixes], weights[mixes])))
-    places, velocities = (np.concatenate(parts) for parts in zip(*found, strict=True))
+            extremes.append((indices[mixes], np.einsum("mis,ms->mi", velocities[mixes], weights[mixes])))
+    places, velocities = (np.concatenate(parts) for parts in zip(*extremes, strict=True))
     order = np.argsort(places, kind="stable")
     return places[order], velocities[order]
 
@@ -347,21 +347,23 @@ def next_functions(survey: Survey) -> Iterator[str]:
     Args:
         survey: of the functions before.
     """
-    left = [(cell, own) for cell, own in survey.left if len(own.points)]
-    if rests([own for _, own in left]):
+    places = [(cell, samples) for cell, samples in survey.left if len(samples.points)]
+    if rests([samples for _, samples in places]):
         return
-    if not left:
+    if not places:
         yield survey.system.coordinates[0]  # at no point that was looked at something is left
         return
-    known = [(basis, basis.rows(left)) for basis in forms(survey)]
-    for basis, rows in [*known, *((basis, basis.rows(left)) for basis in sums(survey))]:
-        yield from (basis.text(own) for own in rising(rows, basis.weights))
+    of_forms = [(basis, basis.rows(places)) for basis in forms(survey)]
+    for basis, rows in [*of_forms, *((basis, basis.rows(places)) for basis in sums(survey))]:
+        yield from (basis.text(coefficients) for coefficients in rising(rows, basis.weights))
     for bent in (False, True):
         helpful: dict[str, float] = {}
-        for basis, rows in known:
-            for own in not_falling(rows, basis.weights) if basis.bends is bent else ():
-                helpful.setdefault(basis.text(own), -float(np.mean(rows @ np.array(own, dtype=float) > SMALL)))
-        yield from sorted(helpful, key=lambda own: helpful[own])[:MOST_HELPFUL]
+        for basis, rows in of_forms:
+            for coefficients in not_falling(rows, basis.weights) if basis.bends is bent else ():
+                helpful.setdefault(
+                    basis.text(coefficients), -float(np.mean(rows @ np.array(coefficients, dtype=float) > SMALL))
+                )
+        yield from sorted(helpful, key=lambda text: helpful[text])[:MOST_HELPFUL]
 
 
 @dataclass(frozen=True)
@@ -383,17 +385,17 @@ class Basis:
         """Whether there are absolute values."""
         return any(j is not None for _, j in self.functions)
 
-    def rows(self, left: Sequence[tuple[Cell, Samples]]) -> Floats:
+    def rows(self, places: Sequence[tuple[Cell, Samples]]) -> Floats:
         """The rates of all functions, of shape (m, k), each row in units of its largest entry, if that is not zero."""
-        total = np.vstack([slopes_along(samples, list(self._on(cell))) for cell, samples in left])
+        total = np.vstack([slopes_along(samples, list(self._on(cell))) for cell, samples in places])
         largest = np.max(np.abs(total), axis=1, keepdims=True)
         return distinct_rows(np.round(total / np.where(largest > 0, largest, 1.0), 13))
 
     def _on(self, cell: Cell) -> Iterator[Polynomial]:
         """The functions on a cell."""
         for exponents, j in self.functions:
-            own = Polynomial(len(exponents), {exponents: Fraction(1)})
-            yield own if j is None else own * self.survey.inclusion.surfaces.signed(j, cell.signs[j])
+            monomial = Polynomial(len(exponents), {exponents: Fraction(1)})
+            yield monomial if j is None else monomial * self.survey.inclusion.surfaces.signed(j, cell.signs[j])
 
     def text(self, coefficients: Sequence[Fraction]) -> str:
         """W as a formula in the displacement."""
@@ -405,18 +407,18 @@ class Basis:
         largest = max(abs(value) for terms in by_surface.values() for value in terms.values())
         parts = []
         for j, terms in by_surface.items():
-            own = formula_text(Polynomial(len(states), {e: c / largest for e, c in terms.items()}), states)
-            parts.append(own if j is None else f"({own})*Abs({self.survey.stated['surfaces'][j]})")
+            formula = formula_text(Polynomial(len(states), {e: c / largest for e, c in terms.items()}), states)
+            parts.append(formula if j is None else f"({formula})*Abs({self.survey.stated['surfaces'][j]})")
         return " + ".join(parts)
 
 
-def rests(left: Sequence[Samples]) -> bool:
+def rests(places: Sequence[Samples]) -> bool:
     """Whether at a point a mixture of the velocities that are left is zero, which no function changes."""
     from scipy.optimize import nnls
 
     at: dict[bytes, list[Floats]] = {}
-    for own in left:
-        for point, velocity in zip(np.round(own.points, 9) + 0.0, own.velocities, strict=True):
+    for samples in places:
+        for point, velocity in zip(np.round(samples.points, 9) + 0.0, samples.velocities, strict=True):
             at.setdefault(point.tobytes(), []).append(velocity)
     for velocities in at.values():
         size = np.abs(velocities).max()  # near the point solutions may be as slow as a high power of the distance
@@ -432,15 +434,15 @@ def forms(survey: Survey) -> Iterator[Basis]:
     Those that are the same for several weights come once.
     """
     count, listed = survey.system.count, survey.inclusion.surfaces.listed
-    met: set[tuple[tuple[Exponents, int | None], ...]] = {()}
-    through = [j for j, own in enumerate(listed) if not own.at_origin]
+    earlier: set[tuple[tuple[Exponents, int | None], ...]] = {()}
+    through = [j for j, surface in enumerate(listed) if not surface.at_origin]
     for bent, weights in product((False, True), WEIGHTS.get(count, ((1,) * count,))):
         degrees = {j: {_weight(e, weights) for e in listed[j].terms} for j in through[:MOST_BENDING]}
-        graded = {j: max(own) for j, own in degrees.items() if len(own) == 1}
+        graded = {j: max(occurring) for j, occurring in degrees.items() if len(occurring) == 1}
         for degree in range(1, (BENT_DEGREES if bent else DEGREES).get(count, 3) + 1):
             basis = _basis(survey, weights, range(degree, degree + 1), graded if bent else {})
-            if basis.functions not in met and (graded or not bent):
-                met.add(basis.functions)
+            if basis.functions not in earlier and (graded or not bent):
+                earlier.add(basis.functions)
                 yield basis
 
 
@@ -476,9 +478,9 @@ def rising(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
     if alone or size == 1:  # a multiple of one function does no more than the function
         return
     values = with_margin(rows, weights)
-    found = None if values is None else rounded(values, lambda own: bool(np.all(rows @ own > SMALL)))
-    if found is not None:
-        yield found
+    coefficients = None if values is None else rounded(values, lambda c: bool(np.all(rows @ c > SMALL)))
+    if coefficients is not None:
+        yield coefficients
 
 
 def not_falling(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
@@ -487,9 +489,9 @@ def not_falling(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
     helps = []
     for k in range(size):
         for sign in (1, -1):
-            own = sign * rows[:, k]
-            if np.all(own > -SMALL) and np.any(own > SMALL):
-                helps.append((-int(np.sum(own > SMALL)), weights[k], k, sign))
+            column = sign * rows[:, k]
+            if np.all(column > -SMALL) and np.any(column > SMALL):
+                helps.append((-int(np.sum(column > SMALL)), weights[k], k, sign))
     for _, _, k, sign in sorted(helps)[:1]:
         yield [Fraction(sign * int(i == k)) for i in range(size)]
     if helps or size == 1:
@@ -501,9 +503,9 @@ def not_falling(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
     solved = solve_program(costs, A_ub=matrix, b_ub=np.zeros(count), bounds=limits)
     if solved.status == 0 and solved.x[2 * size :].sum() > 0.05:
         values = solved.x[:size] - solved.x[size : 2 * size]
-        found = rounded(values, lambda own: bool(np.all(rows @ own > -SMALL) and np.any(rows @ own > SMALL)))
-        if found is not None:
-            yield found
+        coefficients = rounded(values, lambda c: bool(np.all(rows @ c > -SMALL) and np.any(rows @ c > SMALL)))
+        if coefficients is not None:
+            yield coefficients
 
 
 def rounded(values: Floats, holds: Any) -> list[Fraction] | None:
@@ -514,7 +516,7 @@ def rounded(values: Floats, holds: Any) -> list[Fraction] | None:
     smallest = float(np.min(np.abs(values)[np.abs(values) > 2.0**-10 * largest]))
     for unit_value in (largest, smallest):
         for denominator in DENOMINATORS:
-            found = [Fraction(round(float(v) / unit_value * denominator), denominator) for v in values]
-            if holds(np.array(list(map(float, found)))):
-                return found
+            fractions = [Fraction(round(float(v) / unit_value * denominator), denominator) for v in values]
+            if holds(np.array(list(map(float, fractions)))):
+                return fractions
     return None

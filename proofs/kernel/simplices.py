@@ -70,17 +70,17 @@ def search(claim: Claim, work: int) -> Record | Counterexample[Claim] | None:
         The evidence, or a point at which the claim is false; None where neither was found with this work.
     """
     if len(claim.inequalities[0].pushes) == 1:
-        found = [search(own, work) for own in pairs(claim)]
-        against = next((own for own in found if isinstance(own, Counterexample)), None)
-        return against or (None if None in found else {"pairs": found})
+        outcomes = [search(pair, work) for pair in pairs(claim)]
+        against = next((outcome for outcome in outcomes if isinstance(outcome, Counterexample)), None)
+        return against or (None if None in outcomes else {"pairs": outcomes})
     if claim.inequalities[0].pushes and any(inequality.zeros for inequality in claim.inequalities):
         return None
     roots = [_root(claim, corners) for corners in root_simplices(claim.count, bounded=claim.bounded)]
     sought = Sought(claim.strict, claim.at_origin, border=claim.border)
-    met = subdivide(roots, sought, work, lambda part: _leaf(claim, sought, part), _place_to_cut)
-    if isinstance(met, Violation):
-        return counterexample(claim, [x / met.point[-1] for x in met.point[:-1]])
-    return None if met is not None else {"simplices": list(map(_tree, roots))}
+    result = subdivide(roots, sought, work, lambda part: _leaf(claim, sought, part), _place_to_cut)
+    if isinstance(result, Violation):
+        return counterexample(claim, [x / result.point[-1] for x in result.point[:-1]])
+    return None if result is not None else {"simplices": list(map(_tree, roots))}
 
 
 def counterexample(claim: Claim, point: Sequence[fmpq]) -> Counterexample[Claim] | None:
@@ -90,26 +90,30 @@ def counterexample(claim: Claim, point: Sequence[fmpq]) -> Counterexample[Claim]
     """
     if not (claim.at_origin or any(point)):
         return None
-    for own in claim.inequalities:
-        guards = {name: value_at(terms_of(guard), point) for name, guard in own.guards.items()}
+    for inequality in claim.inequalities:
+        guards = {name: value_at(terms_of(guard), point) for name, guard in inequality.guards.items()}
         inside = all(value > 0 if name[0] == "s" else value >= 0 for name, value in guards.items())
-        if own.pushes or not inside or any(value_at(terms_of(zero), point) for zero in own.zeros.values()):
+        if (
+            inequality.pushes
+            or not inside
+            or any(value_at(terms_of(zero), point) for zero in inequality.zeros.values())
+        ):
             continue
-        value = value_at(terms_of(own.value), point)
+        value = value_at(terms_of(inequality.value), point)
         if value < 0 or (claim.strict and not value):
             return Counterexample(claim, tuple(point), value)
     return None
 
 
 def _root(claim: Claim, corners: Sequence[Sequence[Fraction]]) -> SubCone:
-    own_corners = tuple(tuple(map(exact, corner)) for corner in corners)
+    exact_corners = tuple(tuple(map(exact, corner)) for corner in corners)
 
     def form(value: Polynomial) -> Form:
-        return _form(value, own_corners)
+        return _form(value, exact_corners)
 
-    values = [[form(own) for own in (i.value, *i.pushes)] for i in claim.inequalities]
-    guards = [{name: form(own) for name, own in i.guards.items() if name[0] == "s"} for i in claim.inequalities]
-    return root_part(own_corners, values, guards, {n: form(own) for n, own in claim.inequalities[0].zeros.items()})
+    values = [[form(polynomial) for polynomial in (i.value, *i.pushes)] for i in claim.inequalities]
+    guards = [{name: form(guard) for name, guard in i.guards.items() if name[0] == "s"} for i in claim.inequalities]
+    return root_part(exact_corners, values, guards, {n: form(zero) for n, zero in claim.inequalities[0].zeros.items()})
 
 
 def _form(value: Polynomial, corners: Sequence[Corner]) -> Form:
@@ -121,15 +125,15 @@ def _form(value: Polynomial, corners: Sequence[Corner]) -> Form:
 
 def _leaf(claim: Claim, sought: Sought, part: SubCone) -> Leaf | None:
     """What shows all inequalities on a part: without functions mu, or with values that a linear program proposes."""
-    found = [shown_by(part, sought, k, own.open) for k, own in enumerate(claim.inequalities)]
-    shown = [own for own in found if own is not None]
-    if len(shown) == len(found):
-        return Leaf(shown, [])
-    inside = [k for k, own in enumerate(found) if not isinstance(own, str)]
+    outcomes = [shown_by(part, sought, k, inequality.open) for k, inequality in enumerate(claim.inequalities)]
+    evidence = [outcome for outcome in outcomes if outcome is not None]
+    if len(evidence) == len(outcomes):
+        return Leaf(evidence, [])
+    inside = [k for k, outcome in enumerate(outcomes) if not isinstance(outcome, str)]
     count = len(part.values[0]) - 1
     for mu in _proposed_mu([part.values[k] for k in inside], part.corners, count) if count else ():
         if all(shows(part, sought, k, _with_mu(part.values[k], mu, part.corners)) for k in inside):
-            return Leaf([own if isinstance(own, str) else {} for own in found], mu)
+            return Leaf([outcome if isinstance(outcome, str) else {} for outcome in outcomes], mu)
     return None
 
 
@@ -142,19 +146,19 @@ def _proposed_mu(inside: Sequence[Sequence[Form]], corners: Sequence[Corner], co
     for value, *pushes in inside:
         slopes = [_times_coordinate(push, k) for push in pushes for k in range(size)]
         degree = max(degree_of(form) for form in (value, *slopes))
-        own, others = raised(value, degree, corners), [raised(slope, degree, corners) for slope in slopes]
+        constant, others = raised(value, degree, corners), [raised(slope, degree, corners) for slope in slopes]
         for e in {e for slope in others for e in slope}:
-            here = float(own.get(e, fmpq(0)))
+            here = float(constant.get(e, fmpq(0)))
             row = [float(slope.get(e, fmpq(0))) for slope in others]
             largest = max(abs(here), *map(abs, row))
             rows.append([*(-entry / largest for entry in row), 1.0])
             least.append(here / largest)
     bounds = [(-LARGEST_MU, LARGEST_MU)] * (size * count) + [(None, 1.0)]
-    found = solve_program([0.0] * (size * count) + [-1.0], A_ub=rows, b_ub=least, bounds=bounds) if rows else None
-    if found is None or found.x is None or found.x[-1] < -SLACK:
+    solution = solve_program([0.0] * (size * count) + [-1.0], A_ub=rows, b_ub=least, bounds=bounds) if rows else None
+    if solution is None or solution.x is None or solution.x[-1] < -SLACK:
         return
     for denominator in MU_DENOMINATORS:
-        values = [fmpq(round(float(x) * denominator), denominator) for x in found.x[:-1]]
+        values = [fmpq(round(float(x) * denominator), denominator) for x in solution.x[:-1]]
         yield [values[j * size : (j + 1) * size] for j in range(count)]
 
 
@@ -193,13 +197,15 @@ def _place_to_cut(part: SubCone) -> tuple[int, int, fmpq] | None:
 
 def _rational_root(part: SubCone) -> fmpq | None:
     """Where a polynomial vanishes inside an interval, as a share of it: halving alone would never meet that place."""
-    forms = [form for own in part.values for form in own[:1]] + [form for own in part.guards for form in own.values()]
+    forms = [form for values in part.values for form in values[:1]] + [
+        form for guards in part.guards for form in guards.values()
+    ]
     for form in forms:
         if not (any(value > 0 for value in form.values()) and any(value < 0 for value in form.values())):
             continue
         top = degree_of(form)
         ratio = [form.get((top - k, k), fmpq(0)) for k in range(top + 1)]  # in t_1 / t_0
-        if not all(isinstance(own, fmpq) for own in ratio):
+        if not all(isinstance(coefficient, fmpq) for coefficient in ratio):
             continue
         for factor, _ in fmpq_poly(ratio).numer().factor()[1]:
             if factor.degree() == 1 and (root := fmpq(-int(factor[0]), int(factor[1]))) > 0:
@@ -214,12 +220,12 @@ def _tree(part: SubCone) -> Any:
         return [cut.first, cut.second, written_number(cut.share), _tree(cut.near), _tree(cut.far)]
     leaf: Record = {}
     if part.node.mu:
-        leaf["mu"] = [[str(value) for value in own] for own in part.node.mu]
+        leaf["mu"] = [[str(value) for value in values] for values in part.node.mu]
     if any(part.node.on):
-        leaf["on"] = [_written(own) for own in part.node.on]
+        leaf["on"] = [_written(evidence) for evidence in part.node.on]
     return leaf
 
 
-def _written(shown: str | Record) -> str | Record:
+def _written(evidence: str | Record) -> str | Record:
     """What shows an inequality on a part: the name of a guard, or multiples."""
-    return shown if isinstance(shown, str) else {name: written_number(value) for name, value in shown.items()}
+    return evidence if isinstance(evidence, str) else {name: written_number(value) for name, value in evidence.items()}

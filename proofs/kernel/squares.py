@@ -43,8 +43,8 @@ class Shown:
 
 def search(claim: Claim) -> Record | None:
     """Squares for each inequality of a claim; None where they were not found."""
-    found = find(claim, Effort.STRICT if claim.strict else Effort.FULL)
-    return None if found is None else found.evidence
+    proof = find(claim, Effort.STRICT if claim.strict else Effort.FULL)
+    return None if proof is None else proof.evidence
 
 
 def find(claim: Claim, effort: Effort, mu: tuple[fmpq, ...] | None = None) -> Shown | None:
@@ -60,12 +60,12 @@ def find(claim: Claim, effort: Effort, mu: tuple[fmpq, ...] | None = None) -> Sh
     shapes = mu_shapes([claim])
     conditions = [condition_of(claim, inequality, shapes) for inequality in claim.inequalities]
     for values in [mu] if mu is not None else _proposals(conditions, len(shapes), weakly=effort in WEAK):
-        found = _with_mu(claim, conditions, values, effort)
-        if found is not None:
-            evidence: Record = {"squares": found[0]}
+        proof = _with_mu(claim, conditions, values, effort)
+        if proof is not None:
+            evidence: Record = {"squares": proof[0]}
             if shapes:
                 evidence["mu"] = _written_mu(claim, shapes, values)
-            return Shown(evidence, found[1], values)
+            return Shown(evidence, proof[1], values)
     return None
 
 
@@ -78,20 +78,20 @@ def mu_shapes(claims: Sequence[Claim]) -> list[Shape]:
     first = claims[0].inequalities
     if not first[0].pushes:
         return []
-    highest = max(own.value.degree for claim in claims for own in claim.inequalities)
-    pushed = max(push.degree for own in first for push in own.pushes)
-    own = monomials_between(claims[0].count, 0, max(highest - pushed, 0))
-    return [(j, exponents) for j in range(len(first[0].pushes)) for exponents in own]
+    highest = max(inequality.value.degree for claim in claims for inequality in claim.inequalities)
+    pushed = max(push.degree for inequality in first for push in inequality.pushes)
+    monomials = monomials_between(claims[0].count, 0, max(highest - pushed, 0))
+    return [(j, exponents) for j in range(len(first[0].pushes)) for exponents in monomials]
 
 
 def condition_of(claim: Claim, inequality: Inequality, shapes: Sequence[Shape]) -> Condition:
     """An inequality as the search states it: parameters are the coefficients of mu."""
-    surfaces = [own for name, own in inequality.guards.items() if name[0] == "s"]
+    surfaces = [guard for name, guard in inequality.guards.items() if name[0] == "s"]
     bounds = tuple(terms_of(constant(claim.count, 1) - inequality.guards[f"u{k}"]) for k in _sides(inequality))
-    pushes = [terms_of(own) for own in inequality.pushes]
+    pushes = [terms_of(push) for push in inequality.pushes]
     slopes = {k: multiply_terms(pushes[j], {e: fmpq(1)}) for k, (j, e) in enumerate(shapes)}
-    own = terms_of(inequality.value)
-    return Condition(own, slopes, tuple(map(terms_of, surfaces)), bounds, claim.count, claim.at_origin)
+    terms = terms_of(inequality.value)
+    return Condition(terms, slopes, tuple(map(terms_of, surfaces)), bounds, claim.count, claim.at_origin)
 
 
 def _sides(inequality: Inequality) -> list[str]:
@@ -111,8 +111,8 @@ def _proposals(conditions: Sequence[Condition], parameters: int, *, weakly: bool
     if not parameters:
         yield ()
         return
-    own = [normalized(condition) for condition in conditions]
-    solved = solve_inside([(condition, build_blocks(condition)) for condition in own], parameters, bounded=False)
+    scaled = [normalized(condition) for condition in conditions]
+    solved = solve_inside([(condition, build_blocks(condition)) for condition in scaled], parameters, bounded=False)
     for denominator in MU_DENOMINATORS if solved is not None else ():
         values = None if solved is None else round_parameters(*solved, denominator)
         if values is not None:
@@ -125,15 +125,15 @@ def _with_mu(
     claim: Claim, conditions: Sequence[Condition], mu: Sequence[fmpq], effort: Effort
 ) -> tuple[list[Any], bool] | None:
     """Squares for known functions mu, and whether all inequalities are strict."""
-    found, strict = [], True
+    squares, strict = [], True
     for inequality, condition in zip(claim.inequalities, conditions, strict=True):
         stated = with_values(condition, dict(enumerate(mu)))
         proved = prove_positive(stated, effort)
         if proved is None:
             return None
         strict = strict and proved.strict
-        found.append(_written(stated, proved, _guard_names(inequality)))
-    return found, strict
+        squares.append(_written(stated, proved, _guard_names(inequality)))
+    return squares, strict
 
 
 def with_values(condition: Condition, values: Mapping[int, fmpq]) -> Condition:
@@ -145,11 +145,11 @@ def with_values(condition: Condition, values: Mapping[int, fmpq]) -> Condition:
 
 
 def _written_mu(claim: Claim, shapes: Sequence[Shape], mu: Sequence[fmpq]) -> list[list[Any]]:
-    found: list[list[Any]] = [[] for _ in claim.inequalities[0].pushes]
+    polynomials: list[list[Any]] = [[] for _ in claim.inequalities[0].pushes]
     for (j, exponents), value in zip(shapes, mu, strict=True):
         if value:
-            found[j].append([str(value), list(exponents)])
-    return found
+            polynomials[j].append([str(value), list(exponents)])
+    return polynomials
 
 
 def _written(stated: Condition, proved: SumOfSquares, names: Sequence[str]) -> list[Record]:
@@ -157,16 +157,16 @@ def _written(stated: Condition, proved: SumOfSquares, names: Sequence[str]) -> l
     divided = proved.condition
     whole = _ratio(stated.constant, divided.constant)
     ratios = list(map(_ratio, stated.multipliers, divided.multipliers))
-    found = []
+    squares = []
     for block, gram in zip(proved.blocks, proved.grams, strict=True):
         factor = whole
         for number in block.factors:
             factor /= ratios[number]
         if any(map(any, gram)):
             rows = [[str(value * factor) for value in row[: i + 1]] for i, row in enumerate(gram)]
-            own = [names[number] for number in block.factors]
-            found.append({"guards": own, "monomials": [list(m) for m in block.monomials], "gram": rows})
-    return found
+            guards = [names[number] for number in block.factors]
+            squares.append({"guards": guards, "monomials": [list(m) for m in block.monomials], "gram": rows})
+    return squares
 
 
 def _ratio(stated: Mapping[Exponents, fmpq], divided: Mapping[Exponents, fmpq]) -> fmpq:

@@ -58,13 +58,13 @@ def about(system: SwitchedSystem) -> Record:
         return _with_roots(system, system.by_roots)
     with_waves = _with_waves(system)
     rhs = with_waves or [[formula_in_names(side, system) for side in member.rhs] for member in system.members]
-    own: Record = {"states": list(system.states), "rhs": rhs}
-    own |= {"order": system.rewriting.order} if with_waves and system.rewriting.order else {}
+    subject: Record = {"states": list(system.states), "rhs": rhs}
+    subject |= {"order": system.rewriting.order} if with_waves and system.rewriting.order else {}
     irrational = [] if with_waves else list(_irrational_numbers(system))
     if not irrational:
-        return {**own, "at": list(map(exact_text, at))}
+        return {**subject, "at": list(map(exact_text, at))}
     generators, named = _named_numbers(irrational, system)
-    return {**own, "at": [generators.encoded(value) for value in at], **named}
+    return {**subject, "at": [generators.encoded(value) for value in at], **named}
 
 
 def _named_numbers(irrational: Sequence[Number], system: SwitchedSystem) -> tuple[Generators, Record]:
@@ -112,12 +112,12 @@ def _with_roots(system: SwitchedSystem, by_roots: SeenByRoots) -> Record:
         rhs = [[roots.restored(formula_in_names(side, extended)) for side in member] for member in sides]
     else:
         rhs = [[one_line(formula) for formula in member] for member in system.rewriting.written]
-    known = {"states": list(roots.states), "rhs": rhs, "at": list(map(exact_text, system.stated_point))}
+    subject = {"states": list(roots.states), "rhs": rhs, "at": list(map(exact_text, system.stated_point))}
     orders = {"orders": list(roots.orders)} if set(roots.orders) != {2} else {}
     order = {"order": system.rewriting.order} if system.rewriting.waves else {}
     irrational = list(_irrational_numbers(system))
     _, named = _named_numbers(irrational, system) if irrational else (None, {})
-    return {**known, "roots": list(roots.rooted), **orders, **order, **named}
+    return {**subject, "roots": list(roots.rooted), **orders, **order, **named}
 
 
 def _irrational_numbers(system: SwitchedSystem) -> Iterator[Number]:
@@ -150,20 +150,20 @@ def _with_waves(system: SwitchedSystem) -> list[list[str]]:
     if system.rewriting.names_roots:
         return []
     terms = [list(_terms(side, system)) for side in system.rewriting.named_rhs]
-    bounds = [own for side in terms for own, _ in side]
-    written = not any(_stays(own, system) and NUMBERS.search(own.argument) for own in system.rewriting.names)
+    bounds = [choices for side in terms for choices, _ in side]
+    written = not any(_stays(wave, system) and NUMBERS.search(wave.argument) for wave in system.rewriting.names)
     if (
         not system.rewriting.names
         or not written
         or not all(bounds)
-        or sum(len(own) > 1 for own in bounds) > MOST_PLACES
+        or sum(len(choices) > 1 for choices in bounds) > MOST_PLACES
     ):
         return []
-    found = []
+    rhs = []
     for chosen in product(*bounds):
         rest = iter(chosen)
-        found.append([_sum((next(rest), factor) for _, factor in side) for side in terms])
-    return found
+        rhs.append([_sum((next(rest), factor) for _, factor in side) for side in terms])
+    return rhs
 
 
 def _terms(side: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[list[str], str]]:
@@ -171,7 +171,7 @@ def _terms(side: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[
 
     With ``cos v - 1`` in place of ``cos v`` constant terms cancel, so that the point remains one of rest.
     """
-    waves = {own.name: f"{own.kind}({_argument_text(own, system)})" for own in system.rewriting.names}
+    waves = {wave.name: f"{wave.kind}({_argument_text(wave, system)})" for wave in system.rewriting.names}
     if side.switching_parts:
         names = dict.fromkeys(waves, ast.Name("w"))
         can_be_written = not NUMBERS.search(written(with_names(side.tree, names)))

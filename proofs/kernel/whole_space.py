@@ -77,9 +77,9 @@ def logarithmic_functions(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExp
     for size in range(1, count) if count <= FEW else ():
         for chosen in combinations(range(count), size):
             within = [squares[k] for k in chosen]
-            inside: Terms = {own: fmpq(1) for own in within}
+            inside: Terms = {square: fmpq(1) for square in within}
             for powers in (squares, squares + fourths):
-                exponents = [own for own in powers if not any(own[k] for k in chosen)]
+                exponents = [power for power in powers if not any(power[k] for k in chosen)]
                 for formula in _proposed(system, exponents, inside):
                     yield formula, _formula(system.states, within, [fmpq(1)] * size)
 
@@ -101,12 +101,14 @@ def _proposed(system: SwitchedSystem, exponents: Sequence[Exponents], inside: Te
         return
     solved = solve_inside(problems, len(exponents) + bool(inside), bounded=True)
     for denominator in DENOMINATORS if solved is not None else ():
-        found = None if solved is None else round_parameters(*solved, denominator)
-        if found is None or not any(found[: len(exponents)]):
+        coefficients = None if solved is None else round_parameters(*solved, denominator)
+        if coefficients is None or not any(coefficients[: len(exponents)]):
             continue
-        weight = found[-1] if inside else fmpq(1)
+        weight = coefficients[-1] if inside else fmpq(1)
         if weight > 0:
-            yield _formula(system.states, exponents, [own / weight for own in found[: len(exponents)]])
+            yield _formula(
+                system.states, exponents, [coefficient / weight for coefficient in coefficients[: len(exponents)]]
+            )
 
 
 def _fields(system: SwitchedSystem) -> list[list[Terms]]:
@@ -117,7 +119,9 @@ def _fields(system: SwitchedSystem) -> list[list[Terms]]:
         SceneError: for a piece that is no polynomial.
     """
     places = system.displaced(system.states)
-    return [[rational_terms(own) for own in member.velocity(without_signs, places)] for member in system.members]
+    return [
+        [rational_terms(component) for component in member.velocity(without_signs, places)] for member in system.members
+    ]
 
 
 def _bases(count: int) -> Iterator[list[Exponents]]:
@@ -127,7 +131,7 @@ def _bases(count: int) -> Iterator[list[Exponents]]:
     first: squares, quadratic forms, these with powers of four of some states, and all up to degree 4.
     """
     linear = monomials_between(count, 1, 1)
-    squares, fourths = ([tuple(power * e for e in own) for own in linear] for power in (2, 4))
+    squares, fourths = ([tuple(power * e for e in exponents) for exponents in linear] for power in (2, 4))
     quadratic = monomials_between(count, 2, 2)
     yield squares
     yield list(quadratic)
@@ -141,14 +145,14 @@ def _problems(fields: Sequence[Sequence[Terms]], exponents: Sequence[Exponents],
     """That the sum is positive, and V falls along every field; the weight of a logarithm is the last unknown."""
     count = len(exponents[0])
     factor = add_terms({(0,) * count: fmpq(1)}, inside)
-    asked = [Condition({}, {k: {own: fmpq(1)} for k, own in enumerate(exponents)}, (), (), count)]
+    conditions = [Condition({}, {k: {monomial: fmpq(1)} for k, monomial in enumerate(exponents)}, (), (), count)]
     for field in fields:
-        falls = [multiply_terms(factor, _fall(own, field)) for own in exponents]
+        falls = [multiply_terms(factor, _fall(monomial, field)) for monomial in exponents]
         weighed: Terms = {}
-        for own, c in inside.items():
-            weighed = add_terms(weighed, {e: c * value for e, value in _fall(own, field).items()})
-        asked.append(Condition({}, {k: fall for k, fall in enumerate([*falls, weighed]) if fall}, (), (), count))
-    return [(own, without_idle(build_blocks(own), own.support)) for own in asked]
+        for monomial, c in inside.items():
+            weighed = add_terms(weighed, {e: c * value for e, value in _fall(monomial, field).items()})
+        conditions.append(Condition({}, {k: fall for k, fall in enumerate([*falls, weighed]) if fall}, (), (), count))
+    return [(condition, without_idle(build_blocks(condition), condition.support)) for condition in conditions]
 
 
 def _fall(exponents: Exponents, field: Sequence[Terms]) -> Terms:
@@ -165,13 +169,13 @@ def _formula(
     states: Sequence[str], exponents: Sequence[Exponents], coefficients: Sequence[fmpq]
 ) -> PiecewiseExpression:
     """A polynomial times the common denominator of its coefficients."""
-    whole = lcm(*(int(own.q) for own in coefficients))
+    whole = lcm(*(int(coefficient.q) for coefficient in coefficients))
     terms = []
-    for powers, own in zip(exponents, coefficients, strict=True):
-        if own:
+    for powers, coefficient in zip(exponents, coefficients, strict=True):
+        if coefficient:
             factors = "*".join(written_powers(states, powers))
-            size = abs(int(own * whole))
-            terms.append(("-" if own < 0 else "+") + (factors if size == 1 else f"{size}*{factors}"))
+            size = abs(int(coefficient * whole))
+            terms.append(("-" if coefficient < 0 else "+") + (factors if size == 1 else f"{size}*{factors}"))
     return parse_piecewise("".join(terms).removeprefix("+"), tuple(states))
 
 
@@ -201,26 +205,26 @@ def find_global_attraction(
     """
     if system.rewriting.waves or system.by_roots is not None or not are_positive_everywhere(system):
         return None
-    known = rational_subject(system)
-    if known is None:
+    rational = rational_subject(system)
+    if rational is None:
         return None
-    given = [own for own in potentials if own is not None]
-    return next(filter(None, _attempts(*known, given, energies)), None)
+    stated = [potential for potential in potentials if potential is not None]
+    return next(filter(None, _attempts(*rational, stated, energies)), None)
 
 
 def _attempts(
     system: SwitchedSystem,
     subject: System,
-    given: Iterable[PiecewiseExpression],
+    potentials: Iterable[PiecewiseExpression],
     energies: Iterable[PiecewiseExpression],
 ) -> Iterator[Record | None]:
     """What each way shows, one after the other; None where it shows nothing."""
     space = WholeSpace(system, subject)
-    for potential in chain(given, global_functions(system)):
+    for potential in chain(potentials, global_functions(system)):
         yield space.by_fall(potential)
     for potential, inside in logarithmic_functions(system):
         yield space.by_fall(potential, inside.text)
-    for potential in chain(given, energies):
+    for potential in chain(potentials, energies):
         yield space.by_rest(potential)
     if not first_terms_attract(system, subject):  # else a quadratic form serves near the point; quotients take longest
         quotient = find_quotient(system, everywhere=True)
@@ -255,19 +259,19 @@ class WholeSpace:
             potential: V, or what is beside the logarithm.
             logarithm: P, where V holds ``ln(1 + P)``.
         """
-        own = self._unrefuted(potential, ASYMPTOTICALLY_STABLE, logarithm)
-        return None if own is None else self._bounded(own, Search(WORK))
+        hypotheses = self._unrefuted(potential, ASYMPTOTICALLY_STABLE, logarithm)
+        return None if hypotheses is None else self._bounded(hypotheses, Search(WORK))
 
     def by_rest(self, potential: PiecewiseExpression) -> Record | None:
         """The entry for a V that does not rise, with functions that show that nothing else stays where it is kept."""
-        own = self._unrefuted(potential, STABLE)
-        if own is None:
+        hypotheses = self._unrefuted(potential, STABLE)
+        if hypotheses is None:
             return None
         search = Search(WORK)
-        second = find_second(self.subject, own["cells"], potential.text, search)
+        second = find_second(self.subject, hypotheses["cells"], potential.text, search)
         if second is None:
             return None
-        return self._bounded({**own, "verdict": ASYMPTOTICALLY_STABLE, "second": second}, search)
+        return self._bounded({**hypotheses, "verdict": ASYMPTOTICALLY_STABLE, "second": second}, search)
 
     def _unrefuted(self, potential: PiecewiseExpression, verdict: str, logarithm: str = "") -> Record | None:
         """The hypotheses for a verdict, where V was not asked before and no sample refutes it."""
@@ -278,18 +282,20 @@ class WholeSpace:
             cells = stated_cells(self.system, None, surfaces_of(self.system, potential)).record
         except BeyondReachError:
             return None
-        own = stability_hypotheses(cells, potential.text, verdict) | ({"logarithm": logarithm} if logarithm else {})
+        hypotheses = stability_hypotheses(cells, potential.text, verdict) | (
+            {"logarithm": logarithm} if logarithm else {}
+        )
         try:
-            SampledProofs().entry(self.subject, "lyapunov", own)
+            SampledProofs().entry(self.subject, "lyapunov", hypotheses)
         except NotShownError:
             return None
-        return own
+        return hypotheses
 
-    def _bounded(self, own: Record, search: Search) -> Record | None:
+    def _bounded(self, stated: Record, search: Search) -> Record | None:
         """The entry for hypotheses, with a bound that shows that level sets are bounded."""
         for bound, factor in product(BOUNDS, FACTORS):
-            hypotheses = {**own, "everywhere": True, bound: str(factor)}
-            found = search.tried(self.subject, "lyapunov", hypotheses)
-            if found is not None:
-                return found[0]
+            hypotheses = {**stated, "everywhere": True, bound: str(factor)}
+            entry = search.tried(self.subject, "lyapunov", hypotheses)
+            if entry is not None:
+                return entry[0]
         return None

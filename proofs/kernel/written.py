@@ -50,14 +50,14 @@ def exact(value: Coefficient) -> Any:
 @lru_cache(maxsize=KNOWN_FIELDS)
 def twin(field: tower.Field) -> NumberField:
     """The tower of the program with the generators of one of the checker's, in the same order."""
-    found, roots = NumberField(), field.generators
+    number_field, roots = NumberField(), field.generators
     if roots and not _is_square_root(roots[0]):
         middle = sum(field.root(0, PRECISION)) / (2 << PRECISION)
-        found, roots = NumberField(round(2 * pi / acos(middle / 2))), roots[1:]
-    for own in roots:
-        radicand = -_in_twin(own.lower[0], found)
-        found.square_roots[radicand] = found.adjoin(radicand)
-    return found
+        number_field, roots = NumberField(round(2 * pi / acos(middle / 2))), roots[1:]
+    for generator in roots:
+        radicand = -_in_twin(generator.lower[0], number_field)
+        number_field.square_roots[radicand] = number_field.adjoin(radicand)
+    return number_field
 
 
 def _in_twin(value: tower.Number, field: NumberField) -> Number:
@@ -81,12 +81,12 @@ def written_number(value: Any) -> Any:
     if not isinstance(value, Number) or value.as_rational() is not None:
         return str(value)
     field = value.field
-    has_base, found = field.modulus is not None, []
+    has_base, products = field.modulus is not None, []
     for mask, c in sorted(value.terms.items()):
         for power, share in enumerate(c.coeffs() if isinstance(c, fmpq_poly) else [c]):
             if share:
-                found.append([str(share), *[0] * power, *(i + has_base for i in bits(mask))])
-    return found
+                products.append([str(share), *[0] * power, *(i + has_base for i in bits(mask))])
+    return products
 
 
 def coefficient_text(value: Coefficient) -> str:
@@ -121,12 +121,12 @@ def null_basis(matrix: fmpq_mat) -> fmpq_mat:
 
 def roundings(values: Floats, denominators: Sequence[int]) -> Iterator[list[Fraction]]:
     """Values over the largest, in ever longer fractions, each once."""
-    found: list[list[Fraction]] = []
+    earlier: list[list[Fraction]] = []
     for denominator in denominators:
-        own = [Fraction(float(c)).limit_denominator(denominator) for c in values / np.abs(values).max()]
-        if own not in found:
-            found.append(own)
-            yield own
+        fractions = [Fraction(float(c)).limit_denominator(denominator) for c in values / np.abs(values).max()]
+        if fractions not in earlier:
+            earlier.append(fractions)
+            yield fractions
 
 
 # ---- polynomials with coefficients to be found -----------------------------------------------------
@@ -140,7 +140,7 @@ def formula_in_states(value: Polynomial, radius: Fraction, states: Sequence[str]
 
 def powers_between(count: int, least: int, most: int) -> list[Polynomial]:
     """Products of powers of variables, by their degrees."""
-    return [Polynomial(count, {own: Fraction(1)}) for own in monomials_between(count, least, most)]
+    return [Polynomial(count, {exponents: Fraction(1)}) for exponents in monomials_between(count, least, most)]
 
 
 def slopes(value: Polynomial) -> list[Coefficient]:
@@ -171,8 +171,8 @@ def part_of(value: Polynomial, degree: int) -> Polynomial:
 
 def vanishing_columns(lists: Sequence[Sequence[Polynomial]]) -> fmpq_mat:
     """A basis of the coefficients with which lists of polynomials add up to zero, place by place, in columns."""
-    places = sorted({(k, e) for own in lists for k, value in enumerate(own) for e in value.terms})
-    table = [[exact(own[k].terms.get(e, Fraction(0))) for own in lists] for k, e in places]
+    places = sorted({(k, e) for polynomials in lists for k, value in enumerate(polynomials) for e in value.terms})
+    table = [[exact(polynomials[k].terms.get(e, Fraction(0))) for polynomials in lists] for k, e in places]
     return null_basis(fmpq_mat(table or [[fmpq(0)] * len(lists)]))
 
 
@@ -186,6 +186,6 @@ def vanishing_combinations(columns: Sequence[Sequence[Polynomial]]) -> Iterator[
 def combined(polynomials: Sequence[Polynomial], coefficients: Sequence[Fraction]) -> Polynomial:
     """The sum of polynomials with coefficients."""
     total = constant(polynomials[0].count, 0)
-    for own, c in zip(polynomials, coefficients, strict=True):
-        total += own.times(c)
+    for polynomial, c in zip(polynomials, coefficients, strict=True):
+        total += polynomial.times(c)
     return total

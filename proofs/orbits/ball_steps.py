@@ -104,12 +104,12 @@ class Expansion:
 
 def expanded(rates: Rates, start: Box) -> list[tuple[Ball, ...]]:
     """Coefficients 0 ... ORDER of the Taylor series: each iteration makes one more right."""
-    known: list[list[Ball]] = [[x] for x in start]
+    series: list[list[Ball]] = [[x] for x in start]
     for order in range(1, ORDER + 1):
-        found = rates([arb_series(entry, prec=order) for entry in known])
-        for entry, rate in zip(known, found, strict=True):
+        derivatives = rates([arb_series(entry, prec=order) for entry in series])
+        for entry, rate in zip(series, derivatives, strict=True):
             entry.append(rate[order - 1] / order if isinstance(rate, arb_series) else rate * (order == 1))
-    return [tuple(entry) for entry in known]
+    return [tuple(entry) for entry in series]
 
 
 def _suitable(series: Sequence[Sequence[Ball]], start: Box) -> Ball:
@@ -164,7 +164,7 @@ class BallPolynomials:
     def __init__(self, polynomials: Sequence[Polynomial]) -> None:
         self._exponents = list(dict.fromkeys(e for polynomial in polynomials for e in polynomial.terms))
         places = {exponents: k for k, exponents in enumerate(self._exponents)}
-        self._highest = [max(own, default=0) for own in zip(*self._exponents, strict=True)]
+        self._highest = [max(column, default=0) for column in zip(*self._exponents, strict=True)]
         self._rows = [[(c.ball(), places[e]) for e, c in polynomial.terms.items()] for polynomial in polynomials]
 
     @property
@@ -177,7 +177,9 @@ class BallPolynomials:
         powers = [list(accumulate([1, *[x] * n], operator.mul)) for x, n in zip(point, self._highest, strict=False)]
         monomials = []
         for exponents in self._exponents:
-            factors = [own[exponent] for own, exponent in zip(powers, exponents, strict=True) if exponent]
+            factors = [
+                of_variable[exponent] for of_variable, exponent in zip(powers, exponents, strict=True) if exponent
+            ]
             monomials.append(reduce(operator.mul, factors) if factors else 1)
         return [sum((monomials[k] * c for c, k in row), start=0) for row in self._rows]
 
@@ -197,14 +199,16 @@ def lowered(
     field: Sequence[Polynomial], scale: Sequence[Polynomial], positive: Sequence[Polynomial]
 ) -> tuple[list[Polynomial], list[Polynomial]]:
     """A field and its common denominator, if it has one, divided by positive functions as often as these divide all."""
-    found = [*field, *scale]
+    polynomials = [*field, *scale]
     for factor in positive if scale else ():
         while factor.degree > 0:
-            divided = [part for part in (quotient(own, factor) for own in found) if part is not None]
-            if len(divided) < len(found):
+            divided = [
+                part for part in (quotient(polynomial, factor) for polynomial in polynomials) if part is not None
+            ]
+            if len(divided) < len(polynomials):
                 break
-            found = divided
-    return found[: len(field)], found[len(field) :]
+            polynomials = divided
+    return polynomials[: len(field)], polynomials[len(field) :]
 
 
 @dataclass(frozen=True)
@@ -250,7 +254,7 @@ class BallCell:
         sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
         named = system.named()
         try:
-            positive = [own.polynomial(named, sign_of) for own in system.rewriting.denominators]
+            positive = [denominator.polynomial(named, sign_of) for denominator in system.rewriting.denominators]
             scale = [] if system.rewriting.scale is None else [system.rewriting.scale.polynomial(named, sign_of)]
         except UnknownSign:
             raise UnprovedError("a denominator switches where the right-hand sides do not") from None

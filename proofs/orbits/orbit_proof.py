@@ -96,8 +96,8 @@ class _Prover:
         point, direction = ([arb(float(x)) for x in vector] for vector in (orbit.point, normal))
         short, long = proved_maps(self._crossed([(leg,) for leg in orbit.legs]), point, direction, arb(orbit.extent))
         attracts = bool(abs(short.slope) < 1)
-        said = "is mapped into itself" if long.into_itself else "holds one fixed point of its return map"
-        whole = f"a segment of half-width {float(long.reach.mid()):.3g} across the orbit {said}"
+        clause = "is mapped into itself" if long.into_itself else "holds one fixed point of its return map"
+        whole = f"a segment of half-width {float(long.reach.mid()):.3g} across the orbit {clause}"
         size = f"the slope of the return map is {short.slope.str(8)}"
         return OrbitProof(attracts, f"{whole}; {size}", short.time, short.slope, long)
 
@@ -133,14 +133,14 @@ class _Prover:
 
     def _crossed(self, legs: Sequence[_Run]) -> list[CrossedLeg]:
         """Legs in cells."""
-        found, entry = [], None
+        crossed_legs, entry = [], None
         for leg in legs:
-            met = leg[-1].met
-            leaves = self.numbers[id(met[0])] if met else None
+            surfaces = leg[-1].met
+            leaves = self.numbers[id(surfaces[0])] if surfaces else None
             cell = BallCell(self.system, self.surfaces, self._signs(leg), self.meter)
-            found.append(CrossedLeg(cell, entry, leaves, arb(_lasting(cell, leg))))
+            crossed_legs.append(CrossedLeg(cell, entry, leaves, arb(_lasting(cell, leg))))
             entry = leaves
-        return found
+        return crossed_legs
 
     def _signs(self, leg: _Run) -> tuple[int, ...]:
         """Signs of the switching functions on a leg's cell."""
@@ -166,14 +166,14 @@ def _lasting(cell: BallCell, legs: _Run) -> float:
 
 def _joined(legs: Sequence[Leg]) -> list[_Run]:
     """Legs of one turn; where the turn began, two parts of one leg follow each other."""
-    found: list[_Run] = []
+    runs: list[_Run] = []
     for leg in legs:
-        last = found[-1] if found else ()
+        last = runs[-1] if runs else ()
         if last and not last[-1].met and _sides(last[-1].motion.face) == _sides(leg.motion.face):
-            found[-1] = (*last, leg)
+            runs[-1] = (*last, leg)
         else:
-            found.append((leg,))
-    return found
+            runs.append((leg,))
+    return runs
 
 
 def _sides(face: Face) -> tuple[object, ...]:
@@ -262,8 +262,8 @@ class TangencySlide:
 
         With pushes p and q of two fields f and g the sliding field is ``(q f + p g)/(p + q)``, all in their own time.
         """
-        (f, own), (g, other) = (cell.paced(self.point(place)) for cell in (self.leaving, self.other))
-        p, q = self.push(self.leaving, place) / own, self.push(self.other, place) / other
+        (f, scale), (g, other) = (cell.paced(self.point(place)) for cell in (self.leaving, self.other))
+        p, q = self.push(self.leaving, place) / scale, self.push(self.other, place) / other
         first, second = dot(self.tangent, f), dot(self.tangent, g)
         return q * first + p * second, (p + q) * dot(self.tangent, self.tangent)
 

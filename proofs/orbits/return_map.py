@@ -109,19 +109,19 @@ def pass_cell(
     """
     way, approaches = _Crossing(cell, family, entry, tangent=tangent), 0
     for _ in range(MOST_STEPS):
-        left = (lasts - way.time).mid()
+        remaining = (lasts - way.time).mid()
         # no path can have arrived; that is asked late on the way only, as a section may be crossed before
-        ahead = left > lasts / 64 or end.value(way.family.box) > 0
-        if not left > 0 or approaches > APPROACHES or not ahead:
+        ahead = remaining > lasts / 64 or end.value(way.family.box) > 0
+        if not remaining > 0 or approaches > APPROACHES or not ahead:
             break
-        thin, wide = way.steps(2 * left)
-        if wide.span >= 2 * left:
-            found = way.arrive(thin, wide, end, leaves)
-            if found is not None:
-                return found
-        if wide.span > left * 3 / 4:
+        thin, wide = way.steps(2 * remaining)
+        if wide.span >= 2 * remaining:
+            passage = way.arrive(thin, wide, end, leaves)
+            if passage is not None:
+                return passage
+        if wide.span > remaining * 3 / 4:
             approaches += 1
-            thin, wide = way.steps((left * 3 / 4).mid())
+            thin, wide = way.steps((remaining * 3 / 4).mid())
         way.advance(thin, wide)
     raise UnprovedError("the family of paths does not clearly reach the next surface")
 
@@ -172,9 +172,9 @@ class _Crossing:
         def is_positive(times: Ball) -> bool:
             box = step.at(times)[:2]
             bends = self._rises[number] and bool(guard.bend(box) > 0)
-            shown = bends or bool(guard.slope(box) > 0 or guard.value(box) > 0)
-            self._rises[number] = bends if shown else self._rises[number]
-            return shown
+            is_shown = bends or bool(guard.slope(box) > 0 or guard.value(box) > 0)
+            self._rises[number] = bends if is_shown else self._rises[number]
+            return is_shown
 
         if not holds_on(is_positive, arb(0), until, PARTS):
             raise UnprovedError("the path comes too near to a switching surface between its crossings")
@@ -327,16 +327,16 @@ def _first_proved(
     raise refusal
 
 
-def _decided(found: ReturnMap) -> ReturnMap:
+def _decided(candidate: ReturnMap) -> ReturnMap:
     """The return map, if it has one fixed point that attracts or repels.
 
     Raises:
         UnprovedError: if that is not shown.
     """
-    size = abs(found.slope)
-    if found.fixed is None or not (size < 1 or size > 1):
-        raise UnprovedError(f"the return map is not enclosed well enough: its slope is {found.slope.str(5)}")
-    return found
+    size = abs(candidate.slope)
+    if candidate.fixed is None or not (size < 1 or size > 1):
+        raise UnprovedError(f"the return map is not enclosed well enough: its slope is {candidate.slope.str(5)}")
+    return candidate
 
 
 def return_map(legs: Sequence[CrossedLeg], lasts: Sequence[Ball], point: Box, direction: Box, reach: Ball) -> ReturnMap:

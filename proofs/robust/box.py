@@ -203,12 +203,12 @@ class BoxBound:
 
     def _forces(self, proposal: Proposal, k: int) -> tuple[arb, arb]:
         """Of wheel k along and across its axis, per unit of load: those of rows that slip over the box."""
-        wheel, found = self._wheels[k], []
+        wheel, forces = self._wheels[k], []
         for kind in range(KINDS):
             row = KINDS * k + kind
             force = wheel.nominal[kind] * float(proposal.shares[row])
-            found.append(force if proposal.satisfied[row] else force * wheel.shares[kind])
-        return found[0], found[1]
+            forces.append(force if proposal.satisfied[row] else force * wheel.shares[kind])
+        return forces[0], forces[1]
 
     def _unbalanced(self, loads: Balls, forces: Sequence[tuple[arb, arb]], push: Balls, twist: Balls) -> arb:
         """``(sum of the forces - G) . twist``."""

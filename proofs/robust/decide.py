@@ -74,10 +74,10 @@ def decide_robust(scene: Scene) -> Robust | None:
     proof = _proof(scene)
     if isinstance(proof, str):
         return Robust(Certainty.UNDECIDED, proof)
-    found = proof.all_that_is_shown(scene.tolerances)
+    statement = proof.all_that_is_shown(scene.tolerances)
     factor = largest_factor(proof.holds, scene.tolerances)
     binding = binding_entry(proof.holds, scene.tolerances, factor)
-    return replace(found or Robust(Certainty.UNDECIDED, proof.no_proof), factor=factor, binding=binding)
+    return replace(statement or Robust(Certainty.UNDECIDED, proof.no_proof), factor=factor, binding=binding)
 
 
 def decided_statement(scene: Scene) -> Robust:
@@ -154,10 +154,10 @@ class NearestProof(BoxProof):
         if bound is None:
             return None
         radius, start = root_above(as_fraction(bound.squared)), as_fraction(inner_radius(self.scene))
-        found = _ends(box, radius, start, (start - radius) / as_fraction(bound.kappa))
-        if found is None or found.within is None or bound.turning is None:
-            return found
-        return replace(found, turning=as_fraction(bound.turning) * found.within)
+        result = _ends(box, radius, start, (start - radius) / as_fraction(bound.kappa))
+        if result is None or result.within is None or bound.turning is None:
+            return result
+        return replace(result, turning=as_fraction(bound.turning) * result.within)
 
 
 class DiscProof(BoxProof):
@@ -230,14 +230,14 @@ class SmoothProof(DiscProof):
 
     def _equilibrium(self, box: Tolerance) -> Robust | None:
         """While no wheel comes under the body or leaves it."""
-        found = equilibrium_box(self.scene, box)
-        if found is None:
+        rest = equilibrium_box(self.scene, box)
+        if rest is None:
             return None
-        radius = root_above(found.squared) + beside(box)
+        radius = root_above(rest.squared) + beside(box)
         margin = contact_set(self.scene).margin
         if margin is not None and radius + _displaced(box) >= margin:
             return None
-        return Robust(Certainty.CERTIFIED, radius=radius, equilibrium=radius, drift=rational_above(abs(found.spin)))
+        return Robust(Certainty.CERTIFIED, radius=radius, equilibrium=radius, drift=rational_above(abs(rest.spin)))
 
 
 class BoxRuleProof(DiscProof):
@@ -352,18 +352,18 @@ def binding_entry(holds: Callable[[Tolerance], bool], box: Tolerance, factor: Fr
     Boxes without one entry are compared at one multiple after the other, and only those are followed that may still
     serve for the largest.
     """
-    left = box.names
+    candidates = box.names
 
     def proved(multiple: Fraction) -> bool:
         """Whether some of those left serve for a multiple; then only these are left."""
-        nonlocal left
+        nonlocal candidates
         serving = []
-        for k, name in enumerate(left):
-            with part_of(k, len(left), f"tolerances, without that of {name}"):
+        for k, name in enumerate(candidates):
+            with part_of(k, len(candidates), f"tolerances, without that of {name}"):
                 other = box.without(name)
                 if multiple <= _largest_multiple(other) and holds(other.times(multiple)):
                     serving.append(name)
-        left = tuple(serving) or left
+        candidates = tuple(serving) or candidates
         return bool(serving)
 
     low = factor
@@ -372,11 +372,11 @@ def binding_entry(holds: Callable[[Tolerance], bool], box: Tolerance, factor: Fr
             return None
         low = SMALLEST
     high = 2 * low
-    while (low == factor or len(left) > 1) and proved(high):
+    while (low == factor or len(candidates) > 1) and proved(high):
         low, high = high, 2 * high
     for _ in range(COARSE):
-        if low > factor and len(left) == 1:
+        if low > factor and len(candidates) == 1:
             break
         middle = (low + high) / 2
         low, high = (middle, high) if proved(middle) else (low, middle)
-    return left[0] if low > factor else None
+    return candidates[0] if low > factor else None

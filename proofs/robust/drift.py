@@ -53,8 +53,8 @@ def largest_spin(scene: Scene, radius: Fraction) -> Fraction | None:
     """A bound of ``|omega|`` over the disc of that radius, of the same scenes; None where none is known."""
     if scene.contact.rule == "nearest":
         with ctx.workprec(PRECISION):
-            found = _cell_motions(scene, radius)
-            return None if found is None else max(rational_above(abs(motion[2])) for _, motion in found)
+            motions = _cell_motions(scene, radius)
+            return None if motions is None else max(rational_above(abs(motion[2])) for _, motion in motions)
     forces = BalancedForces.of(scene)
     if forces is None:
         return None
@@ -91,8 +91,8 @@ def is_driven_out_on_one_side(scene: Scene, accuracy: Fraction) -> bool:
         return False
     about = square((scene.field.zero, scene.field.zero), half)
     near = [(clipped_by(cell.polygon, about.sides), cell.twists) for cell in cells]
-    known = [(polygon, twists) for polygon, twists in near if polygon is not None]
-    return any(_drives(known, direction) for direction in _directions(known))
+    clipped = [(polygon, twists) for polygon, twists in near if polygon is not None]
+    return any(_drives(clipped, direction) for direction in _directions(clipped))
 
 
 def _directions(cells: Sequence[tuple[Polygon, Sequence[Twist]]]) -> Iterator[Point]:
@@ -124,13 +124,13 @@ def _cell_motions(scene: Scene, radius: Fraction) -> list[tuple[Corners, Motion]
     """The corners of all cells of a square about the point, with each motion that is possible on the cell."""
     if why_not_nearest(scene):
         return _partition_motions(scene, radius)
-    found = []
+    motions = []
     for moving in moving_cells(scene, no_tolerance(scene), fmpq(radius.numerator, radius.denominator)):
         if moving.motion is None:
             return None
         corners = [(arb(x), arb(y)) for x, y in moving.cell.polygon.vertices]
-        found.append((corners, (moving.motion.vx, moving.motion.vy, moving.motion.omega)))
-    return found
+        motions.append((corners, (moving.motion.vx, moving.motion.vy, moving.motion.omega)))
+    return motions
 
 
 def _partition_motions(scene: Scene, radius: Fraction) -> list[tuple[Corners, Motion]] | None:
@@ -152,8 +152,8 @@ def _partition_motions(scene: Scene, radius: Fraction) -> list[tuple[Corners, Mo
 def _slowest_of_cells(scene: Scene, accuracy: Fraction) -> Fraction | None:
     """Delta: ``m . (v + omega J c)`` is affine on each cell."""
     with ctx.workprec(PRECISION):
-        found = _cell_motions(scene, accuracy) or []
-        velocities = [(vx - omega * y, vy + omega * x) for corners, (vx, vy, omega) in found for x, y in corners]
+        motions = _cell_motions(scene, accuracy) or []
+        velocities = [(vx - omega * y, vy + omega * x) for corners, (vx, vy, omega) in motions for x, y in corners]
         if not velocities:
             return None
         direction = _direction(np.array([(float(x), float(y)) for x, y in velocities]))

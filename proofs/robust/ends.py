@@ -124,13 +124,13 @@ def decide_ends(
     keeps, ellipses = kept or ContactSet(()), []
     for centre in [(Fraction(0), Fraction(0))] if rests else _centres(scene, velocity, accuracy):
         for shape in _shapes(scene, velocity, centre, accuracy):
-            found = _about(scene, centre, shape, accuracy, keeps, finer)
-            if isinstance(found, Ends):
-                if found.is_near:
-                    return found
-                away = away or found
+            outcome = _about(scene, centre, shape, accuracy, keeps, finer)
+            if isinstance(outcome, Ends):
+                if outcome.is_near:
+                    return outcome
+                away = away or outcome
                 break
-            if found is _Open.RINGS and not isinstance(shape, Distance):
+            if outcome is _Open.RINGS and not isinstance(shape, Distance):
                 ellipses.append((centre, shape))
     return away or (_in_smaller_pieces(scene, ellipses, accuracy, keeps, finest) if finest else None)
 
@@ -147,9 +147,9 @@ def _in_smaller_pieces(
     Where rings are shown then, and bodies may come onto other wheels on their way, other rings would not keep them.
     """
     for centre, shape in ellipses:
-        found = _about(scene, centre, shape, accuracy, keeps, finest)
-        if found is not _Open.RINGS:
-            return found if isinstance(found, Ends) else None
+        outcome = _about(scene, centre, shape, accuracy, keeps, finest)
+        if outcome is not _Open.RINGS:
+            return outcome if isinstance(outcome, Ends) else None
     return None
 
 
@@ -177,7 +177,7 @@ def _about(
     centre: Place,
     shape: LevelFunction,
     accuracy: Fraction,
-    kept: ContactSet,
+    contacts: ContactSet,
     finer: Sequence[int],
 ) -> Ends | _Open:
     """What rings about a centre show; ``finer``: into how many parts one is divided that is not shown whole."""
@@ -185,8 +185,8 @@ def _about(
     distance = root_above(centre[0] ** 2 + centre[1] ** 2)
     there = scene.checked_at((x, y), scene.check.radius).recentred() if distance else scene
     most = min(max(scene.check.half_width - float(distance), float(WIDE * accuracy + 2 * distance)), _standing(there))
-    if kept.margin is not None:
-        free = max(float(kept.margin - distance), 0.0) * (1 - 2.0**-20)
+    if contacts.margin is not None:
+        free = max(float(contacts.margin - distance), 0.0) * (1 - 2.0**-20)
         most = min(most, free * shape.inside / shape.outside)
     # to come near they must come from twice the accuracy; to end farther away they need only come from the point
     through = 2 * float(accuracy) + float(distance) if distance < accuracy else float(distance) * BEYOND
@@ -208,7 +208,7 @@ def _about(
         ends_within, about, least = None, max(rings.radius, min(wanted, CLOSE * accuracy)), distance * Fraction(BEYOND)
         if distance * (1 - Fraction(1, 2**20)) - about <= accuracy:
             return _Open.RINGS
-    within = _kept_start(there, rings, kept, distance, least, about)
+    within = _kept_start(there, rings, contacts, distance, least, about)
     if within is None:
         return _Open.WHEELS
     swing, after = distance + rings.swing_from(within), rings.time_to(about, within)
@@ -216,25 +216,25 @@ def _about(
 
 
 def _kept_start(
-    scene: Scene, rings: TouchingRings, kept: ContactSet, distance: Fraction, least: Fraction, near: Fraction
+    scene: Scene, rings: TouchingRings, contacts: ContactSet, distance: Fraction, least: Fraction, near: Fraction
 ) -> Fraction | None:
     """Radius of a disc of starts about a centre from which no wheel enters or leaves on the way; None below ``least``.
 
     Args:
         scene: recentred about the centre.
         rings: about it.
-        kept: how far the body may move from the checked point, and turn.
+        contacts: how far the body may move from the checked point, and turn.
         distance: of the centre from the checked point.
         least: the least radius that is of use.
         near: radius of the disc at which the way ends.
     """
-    if kept.margin is None:
+    if contacts.margin is None:
         return rings.start
     turns = _Turns(scene, rings, near)
 
     def keeps(start: Fraction) -> bool:
-        turn = Fraction(0) if kept.angle is None else turns.on_the_way_from(start)
-        return kept.keeps(distance + rings.swing_from(start), turn)
+        turn = Fraction(0) if contacts.angle is None else turns.on_the_way_from(start)
+        return contacts.keeps(distance + rings.swing_from(start), turn)
 
     # bodies from farther away swing out farther and turn more: where the nearest do not serve, none do
     smallest = min(least, rings.start)
@@ -294,10 +294,10 @@ def _standing(scene: Scene) -> float:
 def _centres(scene: Scene, velocity: Velocity, accuracy: Fraction) -> Iterator[Place]:
     """The point itself, a zero of the field near it, and where a path from it ends."""
     size = float(accuracy)
-    seen: list[Floats] = []
+    earlier: list[Floats] = []
     for place in _proposed(scene, velocity, size):
-        if place is not None and all(np.hypot(*(place - other)) > size / 64 for other in seen):
-            seen.append(place)
+        if place is not None and all(np.hypot(*(place - other)) > size / 64 for other in earlier):
+            earlier.append(place)
             unit = Fraction(10) ** (math.floor(math.log10(size)) - DIGITS)
             x, y = (round(Fraction(float(entry)) / unit) * unit for entry in place)
             yield x, y
@@ -326,8 +326,8 @@ def velocity_of(scene: Scene) -> Velocity | None:
         return None
 
     def velocity(places: Floats) -> Floats:
-        found = forces.velocities(np.atleast_2d(places))
-        return found if places.ndim > 1 else found[0]
+        velocities = forces.velocities(np.atleast_2d(places))
+        return velocities if places.ndim > 1 else velocities[0]
 
     return velocity
 

@@ -86,9 +86,9 @@ def decide_robust_loop(scene: Scene, feedback: AnyFeedback) -> RobustLoop | None
         return None
     centred = scene.recentred()
     if scene.contact.rule in FOLLOWED:
-        own = in_own_length(centred)
+        rescaled = in_own_length(centred)
         shrunk = box.scaled(1 / scene.check.length)
-        return _decided(own, shrunk, kappa, partial(_smooth_error, own, shrunk, cones[0], kappa))
+        return _decided(rescaled, shrunk, kappa, partial(_smooth_error, rescaled, shrunk, cones[0], kappa))
     plain = with_rims_along_axes(centred)
     if plain is None or len(scene.wheels) > MAX_WHEELS:
         return RobustLoop(None, f"feedback is followed for up to {MAX_WHEELS} wheels driven along their friction axes")
@@ -114,10 +114,10 @@ def _box_error(scene: Scene, box: Tolerance, cone: LawCone, number: int, loads: 
 
 
 def _smooth_error(
-    own: Scene, box: Tolerance, cone: LawCone, kappa: Fraction, number: int, loads: LoadBox
+    scene: Scene, box: Tolerance, cone: LawCone, kappa: Fraction, number: int, loads: LoadBox
 ) -> arb | None:
     """Under the rules ``ellipse``, ``roller`` and ``mixed``."""
-    return distance_of_minimizers(own, box, loads, cone.twists[number], math.sqrt(kappa))
+    return distance_of_minimizers(scene, box, loads, cone.twists[number], math.sqrt(kappa))
 
 
 def _decided(
@@ -129,11 +129,11 @@ def _decided(
         if loads is None or not all(load > 0 for load in loads.at((arb(0), arb(0)))):
             return RobustLoop(None, "a wheel may lift off at the point")
         errors = [error_of(number, loads) for number in range(3)]
-        known = [error for error in errors if error is not None]
-        if len(known) < len(errors):
+        bounds = [error for error in errors if error is not None]
+        if len(bounds) < len(errors):
             return RobustLoop(None, "a twist that the law commands may slip away within the tolerances")
         root = (rational_ball(kappa)).sqrt()
-        slowest = min((root * (root - error) for error in known), key=rational_below)
+        slowest = min((root * (root - error) for error in bounds), key=rational_below)
         if not slowest > 0:
             return RobustLoop(None, "twists may differ from those that the law commands by more than its rate allows")
         return RobustLoop(rational_below(slowest) * NEARBY)
@@ -160,10 +160,10 @@ class _CommandedTwist:
         total = arb(0)
         for k in range(3):
             sides = [self._one_side(k, sense) for sense in (1, -1)]
-            known = [side for side in sides if side is not None]
-            if len(known) < len(sides):
+            bounds = [side for side in sides if side is not None]
+            if len(bounds) < len(sides):
                 return None
-            total += max(known, key=lambda ball: float(ball.upper())).upper() ** 2
+            total += max(bounds, key=lambda ball: float(ball.upper())).upper() ** 2
         return total.sqrt()
 
     def _one_side(self, k: int, sense: int) -> arb | None:
@@ -171,7 +171,7 @@ class _CommandedTwist:
         place = (arb(0), arb(0))
         force = float(self._corners.limits((0.0, 0.0)).sum()) / 2
         twist = np.array([*(float(x) for x in self._twist[:2]), float(self._twist[2]) * self._corners.length])
-        found = []
+        bounds = []
         for share in PUSHES:
             strength = sense * share * force
             unit = [arb(0), arb(0), arb(0)]
@@ -183,8 +183,8 @@ class _CommandedTwist:
                 continue
             gap = self._bound.gap(proposal, place, [strength * entry for entry in unit], self._twist)
             if gap is not None:
-                found.append(gap / abs(strength))
-        return min(found, key=lambda ball: float(ball.upper())) if found else None
+                bounds.append(gap / abs(strength))
+        return min(bounds, key=lambda ball: float(ball.upper())) if bounds else None
 
 
 # ---- rules with friction sets --------------------------------------------------------------------
@@ -201,19 +201,19 @@ SHARES = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.55, 0.7, 0.9)  # of the larges
 
 
 def distance_of_minimizers(
-    own: Scene, box: Tolerance, loads: LoadBox, imposed: ImposedTwist, most: float
+    scene: Scene, box: Tolerance, loads: LoadBox, imposed: ImposedTwist, most: float
 ) -> arb | None:
     """A bound of ``|xi - xi_m|``, below ``most``, in the unit l of the scene; None where none is shown.
 
     Args:
-        own: a centred scene under rule ``ellipse``, ``roller`` or ``mixed``, with l for the unit of length.
+        scene: centred, under rule ``ellipse``, ``roller`` or ``mixed``, with l for the unit of length.
         box: its tolerances.
         loads: of all its arrays.
         imposed: the twist, with the speeds that impose it.
         most: the largest bound that is of use.
     """
-    arrays = ArrayBox(box_wheels(own, box), loads, force_law(own))
-    forces = replace(PieceForces.at_point(arrays), speeds=_speeds(own, box, imposed))
+    arrays = ArrayBox(box_wheels(scene, box), loads, force_law(scene))
+    forces = replace(PieceForces.at_point(arrays), speeds=_speeds(scene, box, imposed))
     middle = np.array([float(entry) for entry in imposed.twist])
     rounding = 2.0**-40 * (most + max_norm(middle))  # of the cube to floats
     for share in SHARES:

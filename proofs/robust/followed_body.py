@@ -92,7 +92,7 @@ class _Cell:
         At the first time it is in the closed cell.
         """
         between, last = self.after(place, arb(start).union(arb(end))), self.after(place, arb(end))
-        velocity, found = self.velocity(between), list[HalfPlane]()
+        velocity, crossed_sides = self.velocity(between), list[HalfPlane]()
         (x, y), omega = velocity, self.motion[2]
         for side in self.sides:
             rate = -dot(side.normal, velocity)  # of the slack, which is not negative at first
@@ -102,8 +102,8 @@ class _Cell:
                 continue  # it begins on the side, along it or away from it, and turns away
             if not (rate < 0 and side.slack(last) < 0):
                 return None
-            found.append(side)
-        return found if len(found) < 2 else None
+            crossed_sides.append(side)
+        return crossed_sides if len(crossed_sides) < 2 else None
 
     def moment(self, place: Vector, side: HalfPlane, start: float, end: float) -> arb:
         """When it passes a side, whose slack falls from the first time to the second."""
@@ -161,10 +161,10 @@ class _Followed:
     def _leaves_from(self, place: Vector, cell: _Cell) -> bool:
         """Whether a body comes as far that goes on from a place with the motion of a cell."""
         while True:
-            found = self._to_border(cell, place)
-            if found is None or self._is_far(found[1]):
-                return found is not None
-            side, place = found
+            arrival = self._to_border(cell, place)
+            if arrival is None or self._is_far(arrival[1]):
+                return arrival is not None
+            side, place = arrival
             others = [other for other in self._around(place) if other is not cell]
             if len(others) != 1:
                 return False
@@ -292,7 +292,7 @@ class _Slide:
         c = self.at(shares)
         a, b, speed = self._speeds(c)
         borders = ((self.cell, self.side), (self.other, self.entered))
-        is_alone = all(side.slack(c) > 0 for cell, own in borders for side in cell.sides if side is not own)
+        is_alone = all(side.slack(c) > 0 for cell, border in borders for side in cell.sides if side is not border)
         is_held = (a > 0 or into is self.cell) and (b < 0 or into is self.other)
         return bool(is_held and direction * speed > 0) and is_alone
 
@@ -412,11 +412,11 @@ def _lead_left(forces: BalancedForces, corners: Floats, starts: Floats, ends: Fl
         along_x, along_y = (unit * (Intervals.of(ends[:, k, None]) - Intervals.of(starts[:, k, None])) for k in (0, 1))
         x, y = (Intervals.of(corners[:, :, k]) for k in (0, 1))
         covector = forces.covector(along_y, -along_x, -along_x * x - along_y * y)
-        left = ~(forces.largest_powers(corners, covector, STRENGTHS) < 0)
-        if not left.any():
+        remaining = ~(forces.largest_powers(corners, covector, STRENGTHS) < 0)
+        if not remaining.any():
             return True
-        corners = _divided(corners[left], *parts)
-        starts, ends = (np.repeat(own[left], parts[0] * parts[1], axis=0) for own in (starts, ends))
+        corners = _divided(corners[remaining], *parts)
+        starts, ends = (np.repeat(points[remaining], parts[0] * parts[1], axis=0) for points in (starts, ends))
     return False
 
 

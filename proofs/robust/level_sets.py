@@ -144,8 +144,8 @@ class SectorFunction(LevelFunction):
         angles = even_angles(count)
         circle = np.stack([np.cos(angles), np.sin(angles)])
         vertices = np.linalg.solve(np.linalg.cholesky(matrix).T, circle).T
-        found = cls(short_vertices(vertices), np.ones(count))
-        return cls(short_vertices(vertices / found.inside), found.values)
+        unscaled = cls(short_vertices(vertices), np.ones(count))
+        return cls(short_vertices(vertices / unscaled.inside), unscaled.values)
 
     @cached_property
     def slopes(self) -> tuple[Intervals, Intervals]:
@@ -205,11 +205,11 @@ def shapes_about(slope: Floats) -> Iterator[LevelFunction]:
     matrix = lyapunov_matrix(slope)
     if matrix is None:
         return
-    found, (_, modes) = [matrix], np.linalg.eig(slope)
+    matrices, (_, modes) = [matrix], np.linalg.eig(slope)
     if abs(np.linalg.det(modes)) > 1 / LONGEST:
         inverse = np.linalg.inv(modes)
-        found.insert(0, (inverse.conj().T @ inverse).real)
-    for matrix in found:
+        matrices.insert(0, (inverse.conj().T @ inverse).real)
+    for matrix in matrices:
         low, high = np.linalg.eigvalsh(matrix)
         if high < LONGEST**2 * low:
             yield SectorFunction.of_ellipse(matrix)

@@ -141,11 +141,11 @@ def certified_bounds(scene: Scene) -> list[CertifiedBound]:
     if box is None or scene.contact.rule != "nearest" or scene.body is not None:
         return []
     centred = scene.recentred()
-    found = None if why_not_nearest(centred) else ultimate_bound(centred, box)
-    if found is None:
+    bound = None if why_not_nearest(centred) else ultimate_bound(centred, box)
+    if bound is None:
         return []
     start = as_fraction(inner_radius(centred))
-    unit, least, rate = start / PARTS, root_above(as_fraction(found.squared)), as_fraction(found.kappa)
+    unit, least, rate = start / PARTS, root_above(as_fraction(bound.squared)), as_fraction(bound.kappa)
     wider = [(unit * (1 + least * factor // unit), rate / factor) for factor in WIDER]
     return [CertifiedBound(radius, start, slower) for radius, slower in wider if radius < start]
 
@@ -201,14 +201,14 @@ def moving_cells(scene: Scene, box: Tolerance, radius: fmpq) -> list[MovingCell]
     """The outer cells of a square about a centred scene's point, each with a motion that its pair may have."""
     with ctx.workprec(PRECISION):
         motions: dict[tuple[int, int], list[MotionBox | None]] = {}
-        found = []
+        cells = []
         for cell in outer_cells(scene.wheels, radius, box.position.ball()):
             pair = cell.first, cell.second
             if pair not in motions:
                 first, second = (scene.wheels[k] for k in pair)
                 motions[pair] = [_motion(first, second, box, along=along) for along in _second_rows(second, box)]
-            found += [MovingCell(cell, motion) for motion in motions[pair]]
-        return found
+            cells += [MovingCell(cell, motion) for motion in motions[pair]]
+        return cells
 
 
 def bounded_cells(scene: Scene, box: Tolerance, radius: fmpq) -> list[BoundedCell]:
@@ -298,7 +298,7 @@ def outer_cells(wheels: Sequence[Wheel], radius: fmpq, step: arb) -> Iterator[Ou
 
 def _quadrant(radius: fmpq, signs: tuple[int, int]) -> Polygon:
     """The part of the square."""
-    (left, right), (low, high) = (sorted((fmpq(0), own * radius)) for own in signs)
+    (left, right), (low, high) = (sorted((fmpq(0), side * radius)) for side in signs)
     return convex_polygon([(left, low), (right, low), (right, high), (left, high)])
 
 

@@ -238,7 +238,7 @@ def _within(columns: Floats, missing: Floats, shares: Floats) -> Floats:
         return shares
     count = len(shares)
     ones = np.ones((count, 1))
-    found = solve_program(
+    solution = solve_program(
         np.r_[np.zeros(count), 1.0],
         A_ub=np.block([[np.eye(count), -ones], [-np.eye(count), -ones]]),
         b_ub=np.zeros(2 * count),
@@ -246,4 +246,4 @@ def _within(columns: Floats, missing: Floats, shares: Floats) -> Floats:
         b_eq=missing,
         bounds=[(None, None)] * count + [(0, None)],
     )
-    return found.x[:count] if found.success else shares
+    return solution.x[:count] if solution.success else shares

@@ -73,21 +73,21 @@ AT_ONCE = 2**20  # numbers of one array, about
 def refined_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
     """For each ring a kappa with ``V' <= -kappa`` on it, by quadrangles halved until twists are enclosed; else zero."""
     rates, owners = np.full(len(pieces.corners), np.inf), np.arange(len(pieces.corners))
-    left, free = pieces, forces.minimizers(pieces.middles)
+    quadrangles, free = pieces, forces.minimizers(pieces.middles)
     for _ in range(MOST_HALVINGS + 1):
-        shown = affine_rates(forces, left, free)
-        hopeless = ~(falls_about(forces, left, free) > 0) | _sticks(forces, free)
-        lost = np.unique(owners[(shown <= 0) & hopeless])
+        kappas = affine_rates(forces, quadrangles, free)
+        hopeless = ~(falls_about(forces, quadrangles, free) > 0) | _sticks(forces, free)
+        lost = np.unique(owners[(kappas <= 0) & hopeless])
         rates[lost] = 0.0
-        np.minimum.at(rates, owners[shown > 0], shown[shown > 0])
-        again = np.flatnonzero((shown <= 0) & ~np.isin(owners, lost))
+        np.minimum.at(rates, owners[kappas > 0], kappas[kappas > 0])
+        again = np.flatnonzero((kappas <= 0) & ~np.isin(owners, lost))
         if len(lost):  # its ring is not shown: nothing is said of the others that are not through
             rates[owners[again]] = 0.0
             break
         if not len(again):
             break
-        left, is_exact = left.at(again).halves
-        free = forces.minimizers(left.middles)
+        quadrangles, is_exact = quadrangles.at(again).halves
+        free = forces.minimizers(quadrangles.middles)
         owners = np.tile(owners[again], 2)
         if not is_exact.all() or len(owners) > MOST_PIECES:
             rates[owners] = 0.0
@@ -120,10 +120,10 @@ def affine_rates(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Fl
 
 
 def _rates(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Floats:
-    found = _affine_twists(forces, pieces, free)
-    if found is None:
+    twists = _affine_twists(forces, pieces, free)
+    if twists is None:
         return np.full(len(pieces.corners), -np.inf)
-    middle, by_place, rest, is_enclosed = found
+    middle, by_place, rest, is_enclosed = twists
     away = [Intervals.of(pieces.corners[:, :, k]) - Intervals.of(pieces.middles[:, None, k]) for k in range(2)]
     rises, bends = Intervals.of(0.0), Intervals.of(0.0)
     for k, along in enumerate(forces.covector(*pieces.slopes, pieces.moments)):
@@ -165,8 +165,8 @@ def _affine_twists(
     is_enclosed: Mask = np.asarray((over.low >= 0).all(axis=1))
     box, rest = Intervals(-size, size), off
     for shrinking in range(SHRINKINGS):
-        left = _contraction(forces, inverse, _slips(forces, start + box), over)
-        rest = off + (left * box[:, None, :]).sum(axis=2)
+        contraction = _contraction(forces, inverse, _slips(forces, start + box), over)
+        rest = off + (contraction * box[:, None, :]).sum(axis=2)
         image = rest + by_place[:, :, 0] * sides[0] + by_place[:, :, 1] * sides[1]
         if not shrinking:
             is_enclosed &= ((image.low > box.low) & (image.high < box.high)).all(axis=1)
@@ -318,7 +318,7 @@ def _slopes_over(rest: EnclosedRest, shape: SectorFunction, reach: float, beside
     """
     near, count = unknowns_at_rest(rest.zero).mid(), PARTS if len(shape.sectors) > CONE else CONE_PARTS
     half, margin = reach / count, reach * 2.0**-20 + float(beside) * 2
-    known: dict[tuple[float, float], tuple[arb_mat, arb_mat] | None] = {}
+    motions: dict[tuple[float, float], tuple[arb_mat, arb_mat] | None] = {}
     middles = [half * (2 * k + 1 - count) for k in range(count)]
     hulls = []
     for sector in shape.sectors.tolist():
@@ -326,10 +326,10 @@ def _slopes_over(rest: EnclosedRest, shape: SectorFunction, reach: float, beside
         for place in product(middles, middles):
             if _is_beyond(shape.rays(sector), place, half, margin):
                 continue
-            if place not in known:
+            if place not in motions:
                 part = [arb(entry) + arb(half * (1 + 2.0**-40)) * UNIT for entry in place]
-                known[place] = enclosed_motion(rest.balance, near, part)
-            motion = known[place]
+                motions[place] = enclosed_motion(rest.balance, near, part)
+            motion = motions[place]
             if motion is None:
                 return None
             hull = list(map(arb.union, hull, motion[1].entries())) if hull else motion[1].entries()

@@ -161,12 +161,12 @@ class RingProof(ABC, Generic[Bound]):
         while inner > LEAST * start and halvings <= self.halvings:
             tell(f"rings within {float_text(inner / start, 3)} of the widest")
             step = min(step, inner * self.widest)
-            found = self._rate(bound, inner - step, inner)
-            if found is None:
+            inner_rate = self._rate(bound, inner - step, inner)
+            if inner_rate is None:
                 step, halvings = step / 2, halvings + 1
                 continue
             inner, step = inner - step, step * self.growth
-            yield inner, found
+            yield inner, inner_rate
 
     def _rate(self, bound: Bound, inner: Fraction, outer: Fraction, *, at_any: bool = False) -> arb | None:
         """A positive kappa with ``c . v <= -kappa |c|`` on a ring; None where none is shown."""
@@ -177,8 +177,8 @@ class RingProof(ABC, Generic[Bound]):
         least = None
         hard = [piece for piece in pieces if piece in self._failed]
         for few in (hard, [piece for piece in pieces if piece not in hard]):
-            for piece, shown in zip(few, self.rates(bound, few, at_any=at_any), strict=True):
-                rate = shown
+            for piece, kappa in zip(few, self.rates(bound, few, at_any=at_any), strict=True):
+                rate = kappa
                 if rate is None and depth:
                     rate = self._least(bound, list(piece.parts), depth - 1, at_any=at_any)
                 if rate is None:
@@ -188,13 +188,13 @@ class RingProof(ABC, Generic[Bound]):
         return least
 
 
-def _fastest(found: list[tuple[Fraction, arb]], start: Fraction) -> TouchingRings:
+def _fastest(rings: list[tuple[Fraction, arb]], start: Fraction) -> TouchingRings:
     """Nearly the smallest disc: slow rings at the end, which would bring bodies hardly nearer, are left out."""
-    radius = max(found[-1][0], LEAST * start)
-    kept = [k for k, (inner, _) in enumerate(found) if inner <= GROWTH * radius] or [len(found) - 1]
-    rates = [rational_below(rate) for _, rate in found]
-    last = max(kept, key=lambda k: (min(rates[: k + 1]), -found[k][0]))
-    return TouchingRings(start, tuple(inner for inner, _ in found[: last + 1]), tuple(rates[: last + 1]))
+    radius = max(rings[-1][0], LEAST * start)
+    indices = [k for k, (inner, _) in enumerate(rings) if inner <= GROWTH * radius] or [len(rings) - 1]
+    rates = [rational_below(rate) for _, rate in rings]
+    last = max(indices, key=lambda k: (min(rates[: k + 1]), -rings[k][0]))
+    return TouchingRings(start, tuple(inner for inner, _ in rings[: last + 1]), tuple(rates[: last + 1]))
 
 
 # ---- the distance at which bodies end, from cells with bounds of their velocities ----------------

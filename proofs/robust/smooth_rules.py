@@ -238,10 +238,10 @@ class PieceForces:
         total: Any = 0.0
         rows, loads = self.rows.middle[:, 0], self.loads.middle[:, 0, :, 0]
         for side, force in enumerate(forces):
-            own = rows[..., side]
-            moved = directions @ own.swapaxes(-1, -2)
+            side_rows = rows[..., side]
+            moved = directions @ side_rows.swapaxes(-1, -2)
             middle, reach = ((entry[:, 0] * loads)[..., None] for entry in (force.middle, force.reach))
-            total = total + directions @ (own.swapaxes(-1, -2) @ middle) - np.abs(moved, out=moved) @ reach
+            total = total + directions @ (side_rows.swapaxes(-1, -2) @ middle) - np.abs(moved, out=moved) @ reach
         return total[..., 0]
 
     def _moved(self, twists: Triple) -> Pair:
@@ -322,16 +322,16 @@ class ArrayBalance(Balance):
         twist = unknowns.entries()
         loads, middles = self._loads.at(place), self._nominal.at(place)
         value, by_twist, by_place = arb_mat(3, 1), arb_mat(3, 3), arb_mat(3, 2)
-        for (wheel, rolls, own), load, middle, form in zip(
+        for (wheel, rolls, widths), load, middle, form in zip(
             self._wheels, loads, middles, self._loads.forms, strict=True
         ):
-            at_middle = _wrench(wheel, [*twist, *[arb(0)] * len(own), middle], has_rollers=rolls)
-            over_box = _wrench(wheel, [*twist, *(size * UNIT for size in own), load], has_rollers=rolls)
+            at_middle = _wrench(wheel, [*twist, *[arb(0)] * len(widths), middle], has_rollers=rolls)
+            over_box = _wrench(wheel, [*twist, *(size * UNIT for size in widths), load], has_rollers=rolls)
             if at_middle is None or over_box is None or not load > 0:
                 return None
-            sizes = [*own, abs(load - middle)]
-            for r, (known, entry) in enumerate(zip(at_middle, over_box, strict=True)):
-                value[r, 0] += Jet(entry.value, entry.slopes[TWIST:]).over(sizes, known.value)
+            sizes = [*widths, abs(load - middle)]
+            for r, (centre, entry) in enumerate(zip(at_middle, over_box, strict=True)):
+                value[r, 0] += Jet(entry.value, entry.slopes[TWIST:]).over(sizes, centre.value)
                 for k in range(TWIST):
                     by_twist[r, k] += entry.slopes[k]
                 for k in range(2):
@@ -421,16 +421,16 @@ class SmoothDisc(RingProof[ArrayBox]):
 
     def _rates(self, bound: ArrayBox, pieces: Sequence[AnnulusPiece], shares: Sequence[float]) -> list[arb | None]:
         """The first share of the scene's own rate that is shown on each."""
-        shown: dict[AnnulusPiece, float] = {}
+        kappas: dict[AnnulusPiece, float] = {}
         nearer = zip(pieces, self._minima.radial(pieces), strict=True)
         open_ones = [piece for piece, rate in nearer if rate is not None and _is_carried(bound, piece)]
         for share in shares:
-            guesses = [(piece, self._minima.on_plane(piece, share)) for piece in open_ones if piece not in shown]
-            known = [(piece, guess) for piece, guess in guesses if guess is not None]
-            if known:
-                found = _come_nearer(bound, [piece for piece, _ in known], [guess for _, guess in known])
-                shown |= {piece: guess.kappa for (piece, guess), near in zip(known, found, strict=True) if near}
-        return [arb(shown[piece]) if piece in shown else None for piece in pieces]
+            guesses = [(piece, self._minima.on_plane(piece, share)) for piece in open_ones if piece not in kappas]
+            pairs = [(piece, guess) for piece, guess in guesses if guess is not None]
+            if pairs:
+                are_nearer = _come_nearer(bound, [piece for piece, _ in pairs], [guess for _, guess in pairs])
+                kappas |= {piece: guess.kappa for (piece, guess), near in zip(pairs, are_nearer, strict=True) if near}
+        return [arb(kappas[piece]) if piece in kappas else None for piece in pieces]
 
 
 def _is_carried(bound: ArrayBox, piece: AnnulusPiece) -> bool:
@@ -449,15 +449,15 @@ def _come_nearer(bound: ArrayBox, pieces: list[AnnulusPiece], guesses: list[Plan
     pull = ((a * sideways + c * moment).square + (b * sideways + d * moment).square).sqrt().high[:, 0]
     enclosed, sizes = np.zeros(len(pieces), dtype=bool), np.zeros(len(pieces))
     for inflation in SQUARES:
-        left = np.flatnonzero(~enclosed)
-        if len(left):
-            size = inflation * pull[left] + LEAST_SQUARE
-            inside = _is_outward(plan[left], forces.at(left), size)
-            enclosed[left[inside]], sizes[left[inside]] = True, size[inside]
-    left = np.flatnonzero(enclosed)
+        indices = np.flatnonzero(~enclosed)
+        if len(indices):
+            size = inflation * pull[indices] + LEAST_SQUARE
+            inside = _is_outward(plan[indices], forces.at(indices), size)
+            enclosed[indices[inside]], sizes[indices[inside]] = True, size[inside]
+    indices = np.flatnonzero(enclosed)
     nearer = np.zeros(len(pieces), dtype=bool)
-    if len(left):
-        nearer[left] = _is_positive(plan[left], forces.at(left), sizes[left])
+    if len(indices):
+        nearer[indices] = _is_positive(plan[indices], forces.at(indices), sizes[indices])
     return nearer
 
 
@@ -487,17 +487,17 @@ def _is_positive(plan: Floats, forces: PieceForces, size: Floats) -> Mask:
     first, second = np.tile(middles[0], count), np.tile(middles[1], count)
     half = 1 / SQUARE_PARTS
     for _ in range(DIVISIONS):
-        shown = _are_positive(plan[owner], forces.at(owner), size[owner], (first, second), half)
-        owner, first, second = owner[~shown], first[~shown], second[~shown]
+        positive = _are_positive(plan[owner], forces.at(owner), size[owner], (first, second), half)
+        owner, first, second = owner[~positive], first[~positive], second[~positive]
         if not len(owner) or len(owner) > MOST_PARTS * count:
             break
         half /= 2
         owner = np.tile(owner, 4)
         first = np.concatenate([first + i * half for i in (-1, 1) for _ in range(2)])
         second = np.concatenate([second + j * half for _ in range(2) for j in (-1, 1)])
-    found = np.ones(count, dtype=bool)
-    found[owner] = False
-    return found
+    all_positive = np.ones(count, dtype=bool)
+    all_positive[owner] = False
+    return all_positive
 
 
 def _are_positive(plan: Floats, forces: PieceForces, size: Floats, middles: tuple[Floats, Floats], half: float) -> Mask:
@@ -524,11 +524,11 @@ def _candidates(tilt: Floats, length: float) -> Floats:
     """Directions ``(along e, across e, rotation)``, (pieces, choices, 3); of the last ones ``tilt`` is along e."""
     leaning = [(1.0, across, turn / length) for across in LEANINGS for turn in LEANINGS]
     angles = even_angles(ANGLES)
-    found = np.zeros((len(tilt), len(leaning) + ANGLES, 3))
-    found[:, : len(leaning)] = leaning
-    found[:, len(leaning) :, 0] = tilt[:, None]
-    found[:, len(leaning) :, 1:] = np.column_stack([np.cos(angles), np.sin(angles) / length])
-    return found
+    directions = np.zeros((len(tilt), len(leaning) + ANGLES, 3))
+    directions[:, : len(leaning)] = leaning
+    directions[:, len(leaning) :, 0] = tilt[:, None]
+    directions[:, len(leaning) :, 1:] = np.column_stack([np.cos(angles), np.sin(angles) / length])
+    return directions
 
 
 # Guesses are columns: kappa, lateral velocity and spin of xi^, and T two by two; (pieces, 7).

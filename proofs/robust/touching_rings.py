@@ -133,15 +133,15 @@ def _of_forces(
             return inward
         while 0 <= k < len(edges) - 1:
             chosen = [j for j in range(k, k + step * count, step) if 0 <= j < len(edges) - 1]
-            shown = ring_rates(forces, shape.pieces(edges[np.array(chosen) + 1], edges[chosen]))
-            failed = next((j for j, rate in enumerate(shown) if rate <= 0), None)
+            kappas = ring_rates(forces, shape.pieces(edges[np.array(chosen) + 1], edges[chosen]))
+            failed = next((j for j, rate in enumerate(kappas) if rate <= 0), None)
             if failed is not None:
                 inner, outer = edges[chosen[failed] + 1], edges[chosen[failed]]
-                shown = [*shown[:failed], finer_rate(forces, shape, inner, outer, finer)]
-            rates |= dict(zip(chosen, shown, strict=False))
-            if shown[-1] <= 0 or begin == first:
+                kappas = [*kappas[:failed], finer_rate(forces, shape, inner, outer, finer)]
+            rates |= dict(zip(chosen, kappas, strict=False))
+            if kappas[-1] <= 0 or begin == first:
                 break
-            k += step * len(shown)
+            k += step * len(kappas)
         if rates[first] <= 0:
             return None
     return _joined(shape, edges, rates, first)
@@ -176,11 +176,11 @@ def _joined(shape: LevelFunction, edges: Floats, rates: dict[int, float], first:
         low -= 1
     while rates.get(high + 1, 0.0) > 0:
         high += 1
-    kept = range(low, high + 1)
+    indices = range(low, high + 1)
     return TouchingRings(
         Fraction(float(edges[low])),
-        tuple(Fraction(float(edges[k + 1])) for k in kept),
-        tuple(Fraction(rates[k]) for k in kept),
+        tuple(Fraction(float(edges[k + 1])) for k in indices),
+        tuple(Fraction(rates[k]) for k in indices),
         Fraction(shape.inside),
         Fraction(shape.outside),
     )
@@ -193,25 +193,25 @@ def ring_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
         forces: of the array.
         pieces: of the rings.
     """
-    free, seen, falls = _falls_seen(forces, pieces)
+    free, estimates, falls = _falls_seen(forces, pieces)
     nearer = falls.reshape(-1, pieces.per_ring).all(axis=1)
-    shown = np.full(len(pieces.corners), -np.inf)
-    kept = np.flatnonzero(np.repeat(nearer, pieces.per_ring))
-    if len(kept):
-        shown[kept] = np.maximum(piece_rates(forces, pieces.at(kept), free[kept], seen[kept]), 0.0)
-    return shown.reshape(-1, pieces.per_ring).min(axis=1).tolist()
+    kappas = np.full(len(pieces.corners), -np.inf)
+    indices = np.flatnonzero(np.repeat(nearer, pieces.per_ring))
+    if len(indices):
+        kappas[indices] = np.maximum(piece_rates(forces, pieces.at(indices), free[indices], estimates[indices]), 0.0)
+    return kappas.reshape(-1, pieces.per_ring).min(axis=1).tolist()
 
 
 def least_rate(forces: BalancedForces, pieces: RingPieces) -> float:
     """The same on all of them, with pulls of more strengths; pieces on which V falls slowly are looked at first."""
-    free, seen, falls = _falls_seen(forces, pieces)
+    free, estimates, falls = _falls_seen(forces, pieces)
     if not falls.all():
         return -np.inf
     rate = np.inf
-    for chosen in np.split(np.argsort(seen), FIRST_PIECES):
+    for chosen in np.split(np.argsort(estimates), FIRST_PIECES):
         if len(chosen):
-            shown = piece_rates(forces, pieces.at(chosen), free[chosen], seen[chosen], more=True)
-            rate = min(rate, float(shown.min()))
+            kappas = piece_rates(forces, pieces.at(chosen), free[chosen], estimates[chosen], more=True)
+            rate = min(rate, float(kappas.min()))
             if rate <= 0:
                 return 0.0
     return rate
@@ -233,7 +233,7 @@ def _falls_seen(forces: BalancedForces, pieces: RingPieces) -> tuple[Floats, Flo
 
 
 def piece_rates(
-    forces: BalancedForces, pieces: RingPieces, free: Floats, seen: Floats, *, more: bool = False
+    forces: BalancedForces, pieces: RingPieces, free: Floats, estimates: Floats, *, more: bool = False
 ) -> Floats:
     """A kappa that pulls of several strengths show on each quadrangle; minus infinity where none does.
 
@@ -241,28 +241,28 @@ def piece_rates(
         forces: of the array.
         pieces: the quadrangles.
         free: about the minimizer in the middle of each.
-        seen: about ``-V'`` there; what is shown of it suffices where it is :data:`ENOUGH` of that.
+        estimates: of ``-V'`` there; what is shown of it suffices where it is :data:`ENOUGH` of that.
         more: whether pulls are tried too that slow the body by shares of that.
     """
     best = np.full(len(pieces.corners), -np.inf)
     strengths = _strengths(forces, pieces)
     if more and not isinstance(forces.sets, Box):
-        strengths += _slowing(forces, pieces, free, seen)
+        strengths += _slowing(forces, pieces, free, estimates)
     for every in strengths:
-        left = np.flatnonzero(best < ENOUGH * seen)
-        if not len(left):
+        indices = np.flatnonzero(best < ENOUGH * estimates)
+        if not len(indices):
             break
-        tell(f"{len(left)} pieces left")
-        chosen, some = every[left], pieces.at(left)
+        tell(f"{len(indices)} pieces left")
+        chosen, some = every[indices], pieces.at(indices)
         strength = Intervals.of(chosen[:, None])
         pulls = forces.covector(strength * some.slopes[0], strength * some.slopes[1], strength * some.moments)
         middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
         against = forces.against(some.corners.reshape(-1, 2), middle)
-        shown = forces.powers(some.corners, pulls, against.forces, free[left])
+        powers = forces.powers(some.corners, pulls, against.forces, free[indices])
         with np.errstate(invalid="ignore"):
-            rates = -shown / (chosen[:, None] * some.sizes) * (1 - 2.0**-40)
+            rates = -powers / (chosen[:, None] * some.sizes) * (1 - 2.0**-40)
         rates = np.where(finite_rows(rates), rates.min(axis=1), -np.inf)
-        best[left] = np.fmax(best[left], rates)
+        best[indices] = np.fmax(best[indices], rates)
     return best
 
 
@@ -276,12 +276,12 @@ def _strengths(forces: BalancedForces, pieces: RingPieces) -> list[Floats]:
     return [np.where(a > 0, np.minimum(a, b * 1e3), b) for a, b in zip(smooth, rough, strict=True)]
 
 
-def _slowing(forces: BalancedForces, pieces: RingPieces, free: Floats, seen: Floats) -> list[Floats]:
+def _slowing(forces: BalancedForces, pieces: RingPieces, free: Floats, estimates: Floats) -> list[Floats]:
     """Those that slow the body by shares of ``-V'``, where the friction of a body at rest does not tell its motion."""
     slopes = pieces.middle_slopes
     most = _friction(forces, pieces) / norms(slopes)
     yields = forces.compliance(pieces.middles, slopes, free)
-    strength = np.minimum(seen * pieces.sizes.mean(axis=1) / np.maximum(yields, TINY), most)
+    strength = np.minimum(estimates * pieces.sizes.mean(axis=1) / np.maximum(yields, TINY), most)
     return [share * strength for share in SHARES]
 
 

@@ -77,14 +77,14 @@ def without_idle(blocks: Blocks, support: Collection[Exponents]) -> Blocks:
     beside = {
         tuple(map(add, e, shift)) for block in others for shift in reached(block.monomials) for e in block.product
     }
-    kept = list(first.monomials)
+    monomials = list(first.monomials)
     while True:
-        mixed = {tuple(map(add, a, b)) for a, b in combinations(kept, 2)}
+        mixed = {tuple(map(add, a, b)) for a, b in combinations(monomials, 2)}
         alive = {*support, *beside, *mixed}
-        needed = [a for a in kept if tuple(2 * e for e in a) in alive]
-        if len(needed) == len(kept):
-            return (Block((), first.product, tuple(kept)), *others)
-        kept = needed
+        needed = [a for a in monomials if tuple(2 * e for e in a) in alive]
+        if len(needed) == len(monomials):
+            return (Block((), first.product, tuple(monomials)), *others)
+        monomials = needed
 
 
 def build_blocks(condition: Condition, level: int = 0) -> Blocks:
@@ -101,9 +101,9 @@ def build_blocks(condition: Condition, level: int = 0) -> Blocks:
         product: Terms = dict(one)
         for k in factors:
             product = multiply_terms(product, condition.multipliers[k])
-        own = max(0, low - min(map(sum, product)))
+        least = max(0, low - min(map(sum, product)))
         room = (2 * half - max(map(sum, product))) // 2
-        monomials = monomials_between(condition.variables, (own + 1) // 2, room)
+        monomials = monomials_between(condition.variables, (least + 1) // 2, room)
         if monomials:
             blocks.append(Block(factors, product, monomials))
     return tuple(blocks)
@@ -125,8 +125,8 @@ def programs(condition: Condition, level: int = 0) -> Iterator[Blocks]:
     if not _least_order(condition) or is_above_order(condition.support):
         yield blocks
         return
-    inner = [own for own in blocks if own.product.get(zero, 0) > 0]
-    yield tuple(own for own in above_polyhedron(condition.support, inner) if own.monomials or not own.factors)
+    inner = [block for block in blocks if block.product.get(zero, 0) > 0]
+    yield tuple(block for block in above_polyhedron(condition.support, inner) if block.monomials or not block.factors)
     if len(inner) < len(blocks):
         yield blocks
 
@@ -139,7 +139,7 @@ def programs(condition: Condition, level: int = 0) -> Iterator[Blocks]:
 def is_above_order(support: Collection[Exponents]) -> bool:
     """Whether the lowest terms hold a power of every variable: the polyhedron is that of all terms of their degree."""
     order = min(map(sum, support), default=0)
-    return sum(sum(own) == max(own) == order for own in support) == len(next(iter(support), ()))
+    return sum(sum(exponents) == max(exponents) == order for exponents in support) == len(next(iter(support), ()))
 
 
 def above_polyhedron(support: Collection[Exponents], blocks: Collection[Block]) -> list[Block]:
@@ -154,7 +154,7 @@ def above_polyhedron(support: Collection[Exponents], blocks: Collection[Block]) 
         squares = ([2 * power + more for power, more in zip(m, e, strict=True)] for e in block.product)
         return all(holds(*square) for square in squares)
 
-    return [replace(own, monomials=tuple(m for m in own.monomials if is_above(m, own))) for own in blocks]
+    return [replace(block, monomials=tuple(m for m in block.monomials if is_above(m, block))) for block in blocks]
 
 
 def plain_block(condition: Condition) -> Blocks:
@@ -185,10 +185,10 @@ def _has_weights(rows: Floats, most: Sequence[float]) -> bool:
 
 def _products(condition: Condition) -> Iterator[tuple[int, ...]]:
     """Each guard alone, and products of two affine ones (of sides of the box only beside a guard)."""
-    own, squares = len(condition.guards), len(condition.bounds)
-    yield from ((k,) for k in range(own + squares))
+    guards, squares = len(condition.guards), len(condition.bounds)
+    yield from ((k,) for k in range(guards + squares))
     affine = [k for k, guard in enumerate(condition.multipliers) if max(map(sum, guard)) == 1]
-    yield from (pair for pair in combinations(affine, 2) if pair[0] < own)
+    yield from (pair for pair in combinations(affine, 2) if pair[0] < guards)
 
 
 def gram_entries(blocks: Blocks) -> int:

@@ -78,12 +78,12 @@ def solve_inside(problems: list[Problem], parameters: int, *, bounded: bool) -> 
 def _without_small(problem: Problem, grams: Grams) -> Problem:
     """Without the monomials whose diagonal entries are nearly zero."""
     condition, blocks = problem
-    left: list[Block] = []
+    remaining: list[Block] = []
     for block, gram in zip(blocks, grams, strict=True):
-        kept = tuple(m for m, size in zip(block.monomials, np.diag(gram), strict=True) if size > SMALL)
-        if kept or not left:
-            left.append(replace(block, monomials=kept))
-    return condition, tuple(left)
+        monomials = tuple(m for m, size in zip(block.monomials, np.diag(gram), strict=True) if size > SMALL)
+        if monomials or not remaining:
+            remaining.append(replace(block, monomials=monomials))
+    return condition, tuple(remaining)
 
 
 def solve(
@@ -113,8 +113,8 @@ def solve(
     starts, total = _places(problems, parameters + 1)
     margin = parameters
     matrix = _Rows()
-    for (condition, blocks), own in zip(problems, starts, strict=True):
-        for monomial, compared in _comparison(condition, blocks, own).items():
+    for (condition, blocks), block_starts in zip(problems, starts, strict=True):
+        for monomial, compared in _comparison(condition, blocks, block_starts).items():
             matrix.add(compared, float(condition.constant.get(monomial, 0)))
     cones: list[Any] = [clarabel.ZeroConeT(len(matrix.right))]
     limits = [({margin: 1.0}, 1.0)]
@@ -123,8 +123,8 @@ def solve(
     for limit in limits:
         matrix.add(*limit)
     cones.append(clarabel.NonnegativeConeT(len(limits)))
-    for (_, blocks), own in zip(problems, starts, strict=True):
-        for k, (block, start) in enumerate(zip(blocks, own, strict=True)):
+    for (_, blocks), block_starts in zip(problems, starts, strict=True):
+        for k, (block, start) in enumerate(zip(blocks, block_starts, strict=True)):
             size = len(block.monomials)
             for row, column, weight in _triangle(size):
                 own_margin = {margin: inner if k else 1.0} if row == column else {}
@@ -143,13 +143,15 @@ def solve(
     settings.verbose = False
     settings.max_iter = ITERATIONS
     nothing = sparse.csc_matrix((total, total))
-    found = clarabel.DefaultSolver(nothing, objective, rows, np.array(matrix.right), cones, settings).solve()
-    values = np.asarray(found.x)
+    solution = clarabel.DefaultSolver(nothing, objective, rows, np.array(matrix.right), cones, settings).solve()
+    values = np.asarray(solution.x)
     if not len(values) or not np.all(np.isfinite(values)) or (strict and not values[margin] > LEAST_MARGIN):
         return None
     grams = tuple(
-        tuple(_symmetric(values, start, len(block.monomials)) for block, start in zip(blocks, own, strict=True))
-        for (_, blocks), own in zip(problems, starts, strict=True)
+        tuple(
+            _symmetric(values, start, len(block.monomials)) for block, start in zip(blocks, block_starts, strict=True)
+        )
+        for (_, blocks), block_starts in zip(problems, starts, strict=True)
     )
     return Solution(values[:parameters], grams, float(values[margin]))
 
@@ -158,11 +160,11 @@ def _places(problems: Sequence[Problem], start: int) -> tuple[list[list[int]], i
     """Where the entries of each Gram matrix begin among the unknowns, and how many unknowns there are."""
     starts = []
     for _, blocks in problems:
-        own = []
+        block_starts = []
         for block in blocks:
-            own.append(start)
+            block_starts.append(start)
             start += len(block.monomials) * (len(block.monomials) + 1) // 2
-        starts.append(own)
+        starts.append(block_starts)
     return starts, start
 
 
@@ -235,10 +237,10 @@ def rounded(condition: Condition, blocks: Blocks, grams: Grams, *, strict: bool)
         triangles = _repaired(condition, blocks, [_rational_triangle(gram, denominator) for gram in grams])
         if triangles is None:
             return None
-        first, *others = found = tuple(map(_rational_symmetric, triangles))
+        first, *others = matrices = tuple(map(_rational_symmetric, triangles))
         holds = is_definite(first) if strict else is_semidefinite(first)
         if holds and all(map(is_semidefinite, others)) and not _error(condition, blocks, triangles):
-            return found
+            return matrices
     return None
 
 
@@ -312,8 +314,8 @@ def _least_change(
     solved = particular_solution(matrix * matrix.transpose(), right)
     if solved is None:
         return None
-    found = matrix.transpose() * solved
-    return [found[k, 0] for k in range(len(columns))]
+    change = matrix.transpose() * solved
+    return [change[k, 0] for k in range(len(columns))]
 
 
 def particular_solution(matrix: fmpq_mat, right: fmpq_mat) -> fmpq_mat | None:
@@ -382,10 +384,10 @@ def round_parameters(problems: Sequence[Problem], solution: Solution, denominato
     rows: list[dict[int, fmpq]] = []
     rights: list[fmpq] = []
     for (condition, blocks), grams in zip(problems, solution.grams, strict=True):
-        own, right, found = _outside(condition, blocks, len(values))
-        rows += own
+        equations, right, places = _outside(condition, blocks, len(values))
+        rows += equations
         rights += right
-        for block, entry in found:
+        for block, entry in places:
             gram = grams[block]
             column = next(c for c in range(len(gram)) if (c + 1) * (c + 2) // 2 > entry)
             values.append(nearest(float(gram[entry - column * (column + 1) // 2, column]), denominator))

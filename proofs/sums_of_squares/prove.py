@@ -78,9 +78,9 @@ def prove_positive(condition: Condition, effort: Effort = Effort.STRICT) -> SumO
     """
     scaled = normalized(condition)
     for blocks in () if _vanishes_along_an_axis(scaled) else _programs(scaled, effort):
-        found = _strictly(scaled, blocks)
-        if found is not None:
-            return found
+        proof = _strictly(scaled, blocks)
+        if proof is not None:
+            return proof
     return _weakly(scaled, effort) if effort in WEAK else None
 
 
@@ -92,7 +92,9 @@ def _vanishes_along_an_axis(condition: Condition) -> bool:
     for k in range(condition.variables):
         guards = [_along_axis(guard, k) for guard in condition.guards]
         for side in (1, -1):
-            first = (own[min(own)] * side ** min(own) for own in guards if own)
+            first = (
+                coefficients[min(coefficients)] * side ** min(coefficients) for coefficients in guards if coefficients
+            )
             if not _along_axis(condition.constant, k) and all(value > 0 for value in first):
                 return True
     return False
@@ -117,12 +119,12 @@ def _is_solvable(blocks: Blocks) -> bool:
 
 
 def _strictly(condition: Condition, blocks: Blocks) -> SumOfSquares | None:
-    found = solve_inside([(condition, blocks)], 0, bounded=False) if gram_entries(blocks) else None
-    if found is None:
+    result = solve_inside([(condition, blocks)], 0, bounded=False) if gram_entries(blocks) else None
+    if result is None:
         return None
-    ((_, kept),), solution = found
-    grams = rounded(condition, kept, solution.grams[0], strict=True)
-    return None if grams is None else SumOfSquares(condition, kept, grams, strict=True)
+    ((_, remaining),), solution = result
+    grams = rounded(condition, remaining, solution.grams[0], strict=True)
+    return None if grams is None else SumOfSquares(condition, remaining, grams, strict=True)
 
 
 def _weakly(condition: Condition, effort: Effort) -> SumOfSquares | None:
@@ -149,8 +151,8 @@ def known_squares(condition: Condition, blocks: Blocks) -> tuple[RationalMatrix,
     """
     products = [(k, square) for k, block in enumerate(blocks) for square in _squares(condition, block)]
     terms = [multiply_terms(blocks[k].product, multiply_terms(square, square)) for k, square in products]
-    rows = sorted({e for own in (condition.constant, *terms) for e in own})
-    table = [[own.get(e, fmpq(0)) for own in terms] for e in rows]
+    rows = sorted({e for polynomial in (condition.constant, *terms) for e in polynomial})
+    table = [[polynomial.get(e, fmpq(0)) for polynomial in terms] for e in rows]
     target = [condition.constant.get(e, fmpq(0)) for e in rows]
     matrix = np.array([[float(entry) for entry in row] for row in table]).reshape(len(rows), len(terms))
     proposed = solve_program(np.ones(len(terms)), A_eq=matrix, b_eq=[float(value) for value in target])
