@@ -1,13 +1,13 @@
 """The cells of a system: the patterns of signs of its switching surfaces that the checked cube has.
 
 *Affine surfaces.*  A pattern is left out only where its open cell is proved to be empty in the cube (an exact linear
-program).  Curved surfaces are taken with both signs: a pattern too many adds an inequality, and never a wrong verdict,
-because F is then the hull of more velocities.
+program).
+
+*Curved surfaces* are taken with both signs everywhere, also in cones that the surface does not meet near the point: a
+pattern too many adds an inequality, and never a wrong verdict, because F is then the hull of more velocities.  Samples
+propose patterns that they do not have, and the checker's claims show these.
 
 *As certificates state them*, with functions: surfaces, and patterns that are empty, with the mixtures that show it.
-
-*Curved surfaces* are taken with both signs everywhere, also in cones that the surface does not meet near the point.
-Samples propose patterns that they do not have, and the checker's claims show these.
 """
 
 from __future__ import annotations
