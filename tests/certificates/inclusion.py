@@ -236,11 +236,12 @@ def contradiction(statement: Record, half: float = 1.0, seed: int = 1) -> str:
 
 
 def half_width(hypotheses: Record) -> float:
-    """Half the side of the cube of a theorem; one where it is all of the space."""
+    """Half the side of the cube of a theorem, the shortest of a box; one where it is all of the space."""
     known = hypotheses.get("local", hypotheses)
     known = known.get("hypotheses", known)
     within = known.get("cells", known).get("within")
-    return 1.0 if within is None else float(Fraction(within))
+    sides = within if isinstance(within, list) else [within]
+    return 1.0 if within is None else min(float(Fraction(side)) for side in sides)
 
 
 def judge_stability(own: FloatInclusion, said: str, half: float) -> str:

@@ -28,6 +28,7 @@ NOT_SHOWN: Mapping[str, str] = {
     "parabola far away": "switching expressions that are products of lines",
     "parabola": "switching expressions that are products of lines",
     "circle": "switching expressions that are products of lines",
+    "bang-bang, curved line 1": "switching expressions that are products of lines",
     "bent": "a proof within the limits of this checker",
     "tanh": "calls of sign, Abs, Max, Min, relu or sat",  # it knows no enclosed functions
     # The rates are not shown by halves of cells within its limits of work; without them version 1 accepts these.

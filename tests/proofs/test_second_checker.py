@@ -80,14 +80,21 @@ def text_of(name: str) -> str:
 
 
 def without_newer(record: Record) -> Record:
-    """A certificate without the entries of hypotheses that the second checker does not know, and what these show."""
-    older = [own for own in record["evidence"] if not any(own["hypotheses"].get(key) for key in NEWER)]
-    if len(older) == len(record["evidence"]):
+    """A certificate without the entries that the second checker does not know, and without what these alone show."""
+    entries = record["evidence"]
+    older = [entry for entry in entries if not is_newer(entry)]
+    if len(older) == len(entries):
         return record
-    everywhere = ({"attracts": "everywhere"}, {"approaches": "everywhere"})
-    lost = everywhere if any(own["theorem"] == "approach" for own in older) else (*everywhere, {"approaches": "near"})
-    claims = [own for own in record["statement"]["claims"] if own not in lost]
+    lost = [{"attracts": "everywhere"}, {"approaches": "everywhere"}]
+    if all(entry["theorem"] != "approach" for entry in older):
+        lost.append({"approaches": "near"})
+    claims = [claim for claim in record["statement"]["claims"] if claim not in lost and "arrives" not in claim]
     return {**record, "statement": {**record["statement"], "claims": claims}, "evidence": older}
+
+
+def is_newer(entry: Record) -> bool:
+    """Whether the second checker does not know a theorem, or one of its hypotheses."""
+    return entry["theorem"] == "homogeneous" or any(entry["hypotheses"].get(key) for key in NEWER)
 
 
 def is_known(record: Record) -> bool:
