@@ -202,7 +202,7 @@ class MixedRule(SmoothRule):
         Raises:
             TypeError: for friction that names no rule with friction sets.
         """
-        own = contact_rule(friction.rule)
-        if not isinstance(own, SmoothRule):
+        rule = contact_rule(friction.rule)
+        if not isinstance(rule, SmoothRule):
             raise TypeError(f"required a rule with friction sets, received {friction.rule!r}")
-        return own.friction_set(friction)
+        return rule.friction_set(friction)

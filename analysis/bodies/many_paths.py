@@ -474,8 +474,8 @@ class CellMotions:
         sets, group = np.unique(np.packbits(under, axis=1), axis=0, return_inverse=True)
         twists = np.zeros((len(poses), 3))
         for k in range(len(sets)):
-            own = np.flatnonzero(group.reshape(-1) == k)
-            twists[own] = self._table(under[own[0]]).twists(poses[own, :2])
+            members = np.flatnonzero(group.reshape(-1) == k)
+            twists[members] = self._table(under[members[0]]).twists(poses[members, :2])
         rates = np.column_stack([point_velocities(twists, poses[:, :2]), twists[:, 2]])
         return rates, np.ones(len(poses), bool)
 
@@ -574,8 +574,8 @@ class ManyRates:
         rates, known = np.zeros((len(poses), 3)), tips.copy()
         stands = np.flatnonzero(~tips)
         if len(stands):
-            own = near[stands], carrying[stands], levers[stands], poses[stands], paths[stands]
-            found = self._motions.of(*own)
+            standing = near[stands], carrying[stands], levers[stands], poses[stands], paths[stands]
+            found = self._motions.of(*standing)
             rates[stands], known[stands] = found
         wheels = np.where(carrying, self._marks[near], 0.0).sum(axis=1)
         return Rates(rates, tips, over, np.asarray(~carrying.any(axis=1)), known, wheels)

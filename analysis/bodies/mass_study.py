@@ -90,7 +90,7 @@ class MassRow:
         Raises:
             KeyError: for a rule without a path.
         """
-        return {own.rule: own for own in self.distances}[rule]
+        return {distance.rule: distance for distance in self.distances}[rule]
 
 
 @dataclass(frozen=True, repr=False)
@@ -113,9 +113,12 @@ class MassStudy(ShortRepr):
     skipped: Mapping[str, str]
 
     def _repr_html_(self) -> str:
-        found = [(float_text(row.body.mass, 3), own) for row in self.rows for own in row.distances]
+        found = [(float_text(row.body.mass, 3), distance) for row in self.rows for distance in row.distances]
         found += [("-> 0", limit) for limit in self.limits or ()]
-        rows = [(mass, own.rule, float_text(own.position, 3), float_text(own.rotation, 3)) for mass, own in found]
+        rows = [
+            (mass, distance.rule, float_text(distance.position, 3), float_text(distance.rotation, 3))
+            for mass, distance in found
+        ]
         head = (
             f"full dynamics from {self.start} at rest, until t = {self.until:g}: largest distance from each rule's path"
         )
@@ -142,11 +145,11 @@ def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> 
         TrajectoryError: where the path cannot be followed.
     """
     chosen = scene.under(rule)
-    own = contact_rule(rule)
-    if isinstance(own, SmoothRule):
-        return smooth_path(own, chosen, start, until)
-    if scene.body is not None and isinstance(own, CellRule):
-        return CellPath(whole(chosen), own).follow(start, until)
+    contact = contact_rule(rule)
+    if isinstance(contact, SmoothRule):
+        return smooth_path(contact, chosen, start, until)
+    if scene.body is not None and isinstance(contact, CellRule):
+        return CellPath(whole(chosen), contact).follow(start, until)
     return simulate(array_field(build_partition(chosen), Kinematics.EXACT), start, until)
 
 
@@ -232,7 +235,7 @@ def path_distance(
 ) -> PathDistance:
     """Largest distance up to a time; ``other`` is the path of the rule, ``samples`` holds what is known of both."""
     samples = samples or PathSamples()
-    last = min([until, *(float(own.end.t) for own in (path, other) if own.end.reason in BROKEN_OFF)])
+    last = min([until, *(float(one.end.t) for one in (path, other) if one.end.reason in BROKEN_OFF)])
     apart = samples.until(path, last) - samples.until(other, last)
     return PathDistance(rule, float(norms(apart).max()), max_norm(apart[:, 2]), last)
 

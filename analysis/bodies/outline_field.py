@@ -325,7 +325,7 @@ class OutlineField:
         by_wheels: dict[Wheels, list[str]] = {}
         for one in cells:
             by_wheels.setdefault(one.wheels, []).append(one.cell.name)
-        names = (f"{' | '.join(own)} of wheels {self._text(wheels)}" for wheels, own in by_wheels.items())
+        names = (f"{' | '.join(cells)} of wheels {self._text(wheels)}" for wheels, cells in by_wheels.items())
         return ", ".join([*held, *names])
 
     def _text(self, wheels: Wheels) -> str:
@@ -374,7 +374,7 @@ class _Place:
 
 
 def _refines(full: Pattern, pattern: Pattern) -> bool:
-    return all(side in (0, own) for own, side in zip(full, pattern, strict=True))
+    return all(side in (0, sign) for sign, side in zip(full, pattern, strict=True))
 
 
 def _divides(pattern: Pattern, full: Mapping[Pattern, tuple[_Cell, ...] | None]) -> bool:
@@ -410,11 +410,11 @@ class CellPath:
         if rule.needs_loads:
             require_springs(scene)
         self._length = float(scene.check.length)
-        self._scene = own = counted_in_own_length(scene)
-        names = [str(wheel.index) for wheel in own.wheels]
-        places = places_of(own.wheels)
-        outline = MovingOutline(own.body or scene.body, places)
-        self._field = OutlineField(CellsBySet(own, rule), outline, names, self._length)
+        self._scene = scaled = counted_in_own_length(scene)
+        names = [str(wheel.index) for wheel in scaled.wheels]
+        places = places_of(scaled.wheels)
+        outline = MovingOutline(scaled.body or scene.body, places)
+        self._field = OutlineField(CellsBySet(scaled, rule), outline, names, self._length)
 
     def stands(self, pose: Sequence[float]) -> bool:
         """Whether the body stands at a pose ``(x, y, theta)``."""

@@ -288,8 +288,8 @@ def turns(vehicle: Vehicle) -> tuple[CurvedMotion, ...]:
     """
     if vehicle.track is None or vehicle.left is None or vehicle.right is None:
         return ()
-    own = contact_rule(vehicle.scene.contact.rule)
-    model = contacts_under(own, vehicle.scene)
+    rule = contact_rule(vehicle.scene.contact.rule)
+    model = contacts_under(rule, vehicle.scene)
     angles = np.linspace(0, np.pi / 2, COMMANDS)
     left, right = np.cos(angles) - np.sin(angles), np.cos(angles) + np.sin(angles)
     left[np.abs(left) < TURNS], left[-1], right[-1] = 0.0, -1.0, 1.0  # exact at the ends

@@ -213,8 +213,8 @@ def build_complex(polygons: Sequence[Polygon], size: float) -> CellComplex:
         leaving[edge.start].append(k)
         leaving[edge.end].append(k)
     corners = tuple(
-        Corner(point, tuple(sorted({cell for k in own for cell in edges[k].cells})), tuple(own))
-        for point, own in zip(points, leaving, strict=True)
+        Corner(point, tuple(sorted({cell for k in incident for cell in edges[k].cells})), tuple(incident))
+        for point, incident in zip(points, leaving, strict=True)
     )
     return CellComplex(tuple(polygons), corners, edges, borders, size)
 
@@ -238,11 +238,11 @@ def _boundaries(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], 
     points, numbers = _corners(polygons, size)
     sides = [
         (first, last, side)
-        for polygon, own in zip(polygons, numbers, strict=True)
-        for (first, last), side in zip(around(own), polygon.sides, strict=True)
+        for polygon, corners in zip(polygons, numbers, strict=True)
+        for (first, last), side in zip(around(corners), polygon.sides, strict=True)
     ]
     stops = _stops(points, sides, size)
-    return points, [[list(pairwise(next(stops))) for _ in own] for own in numbers]
+    return points, [[list(pairwise(next(stops))) for _ in corners] for corners in numbers]
 
 
 def _corners(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], list[list[int]]]:
@@ -251,7 +251,7 @@ def _corners(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], lis
     places = _Places(SAME_CORNER_DOUBT * size)
     numbers: list[list[int]] = []
     for polygon in polygons:
-        own: list[int] = []
+        numbered: list[int] = []
         for point in polygon.vertices:
             place = in_floats(point)
             close = places.close(place)
@@ -260,8 +260,8 @@ def _corners(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], lis
                 known = len(points)
                 points.append(point)
                 places.add(place)
-            own.append(known)
-        numbers.append(own)
+            numbered.append(known)
+        numbers.append(numbered)
     return points, numbers
 
 
@@ -303,8 +303,8 @@ def _stops(points: Sequence[Point], sides: Sequence[tuple[int, int, HalfPlane]],
     for begin in range(0, len(sides), SIDES_AT_ONCE):
         some = sides[begin : begin + SIDES_AT_ONCE]
         close = _close(places, np.array([(first, last) for first, last, _ in some]), size)
-        for (first, last, side), own in zip(some, close, strict=True):
-            yield [first, *_between(points, first, last, side, own), last]
+        for (first, last, side), nearby in zip(some, close, strict=True):
+            yield [first, *_between(points, first, last, side, nearby), last]
 
 
 def _close(places: Floats, ends: Indices, size: float) -> list[list[int]]:

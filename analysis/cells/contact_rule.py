@@ -199,8 +199,8 @@ def massless_rule(scene: Scene) -> SmoothRule:
     That is the scene's own rule where it has friction sets (rollers that turn, wheels of several kinds), else friction
     ellipses.
     """
-    own = rule_of(scene)
-    return own if isinstance(own, SmoothRule) else next(rule for rule in smooth_rules() if rule.is_massless_limit)
+    stated = rule_of(scene)
+    return stated if isinstance(stated, SmoothRule) else next(rule for rule in smooth_rules() if rule.is_massless_limit)
 
 
 def friction_sets(scene: Scene) -> list[FrictionSet]:

@@ -69,7 +69,7 @@ def _on_border(
     for (start, end), places in zip(around(partition.domain.vertices), beside, strict=True):
         for place in places:
             met = _met(place.points, start, end)
-            if met and not all(any(_holds(own, point) for own in seen) for point in (*met, _middle(met))):
+            if met and not all(any(_holds(cell, point) for cell in seen) for point in (*met, _middle(met))):
                 kind = EquilibriumPlace.SEGMENT if len(met) > 1 else place.place
                 kind = EquilibriumPlace.VERTEX if len(met) < min(len(place.points), 2) else kind
                 cells = tuple(cell.index for cell in partition.cells_at(_middle(met)))

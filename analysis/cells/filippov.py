@@ -79,9 +79,9 @@ class RelativeRate:
         s, t = self._product.sign(), other._product.sign()
         if s != t:
             return s < t
-        own = self._product * self._product * other._length_squared
+        square = self._product * self._product * other._length_squared
         others = other._product * other._product * self._length_squared
-        return bool(own < others if s > 0 else others < own)
+        return bool(square < others if s > 0 else others < square)
 
     def sign(self) -> int:
         """Certified sign: -1, 0 or 1."""

@@ -238,7 +238,7 @@ def _certain_region(bisectors: _Bisectors, i: int, rivals: Indices, within: Poly
     else:
         corners = [(corner, (region.sides[k - 1], region.sides[k])) for k, corner in enumerate(region.vertices)]
         uncertain = sum(
-            _uncertain_signs(line, [corner for corner, own in corners if line not in own])
+            _uncertain_signs(line, [corner for corner, through in corners if line not in through])
             for line in (*within.sides, *lines)
         )
     field.rounded_signs = before + uncertain
@@ -300,12 +300,12 @@ def _extended(taken: tuple[Row, ...], rows: Sequence[Row]) -> tuple[Row, ...]:
 
     Both rows of the first wheel are, at right angles to each other.
     """
-    own: list[Row] = [] if taken else [*rows]
+    added: list[Row] = [] if taken else [*rows]
     for row in rows if taken else ():
-        normals = [r.normal for r in (*taken, *own, row)]
+        normals = [r.normal for r in (*taken, *added, row)]
         if len(normals) <= 3 and len(independent(normals)) == len(normals):
-            own.append(row)
-    return (*taken, *sorted(own, key=lambda row: row.kind is RowKind.SIDE))
+            added.append(row)
+    return (*taken, *sorted(added, key=lambda row: row.kind is RowKind.SIDE))
 
 
 def _distinct(branches: Iterable[tuple[Row, ...]]) -> list[tuple[Row, ...]]:

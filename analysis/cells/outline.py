@@ -207,8 +207,8 @@ class Outline:
         if max(signs) <= 0:
             return None
 
-        def corner(own: OutlineSide, here: int) -> OutlineCorner:
-            first, second = (own, side) if here > 0 else (side, own)
+        def corner(crossed: OutlineSide, here: int) -> OutlineCorner:
+            first, second = (crossed, side) if here > 0 else (side, crossed)
             return OutlineCorner(meet(first.filtered, second.filtered), lambda: meeting(first.exact, second.exact))
 
         return Outline(*cut(signs, self.corners, self.sides, side, corner))

@@ -95,7 +95,9 @@ class Polygon(ShortRepr):
             return self
         if max(signs) <= 0:
             return None
-        return Polygon(*cut(signs, self.vertices, self.sides, half_plane, lambda own, _: intersection(own, half_plane)))
+        return Polygon(
+            *cut(signs, self.vertices, self.sides, half_plane, lambda crossed, _: intersection(crossed, half_plane))
+        )
 
 
 Corner = TypeVar("Corner")
@@ -119,16 +121,16 @@ def cut(
         meeting: the corner where a side crosses the line, from that and the sign where the side begins.
     """
     kept: list[Corner] = []
-    own: list[Side] = []
+    bounding: list[Side] = []
     for k, here in enumerate(signs):
         after = signs[(k + 1) % len(signs)]
         if here >= 0:
             kept.append(corners[k])
-            own.append(line if here == 0 and after < 0 else sides[k])
+            bounding.append(line if here == 0 and after < 0 else sides[k])
         if here * after < 0:
             kept.append(meeting(sides[k], here))
-            own.append(line if here > 0 else sides[k])
-    return tuple(kept), tuple(own)
+            bounding.append(line if here > 0 else sides[k])
+    return tuple(kept), tuple(bounding)
 
 
 def meeting(first: HalfPlane, second: HalfPlane) -> tuple[Any, Any, Any]:

@@ -169,8 +169,8 @@ class _PairTable:
         first, second = self.pairs.T
         self.directions = arrangement.directions(first, second)
         self.sizes = arrangement.direction_sizes(first, second)
-        rows, own = np.ascontiguousarray(normals.take(tight, 0).T), weights.take(tight, 0)
-        parts = [np.abs(block @ rows) @ own for block in blocks(self.directions)]
+        rows, column = np.ascontiguousarray(normals.take(tight, 0).T), weights.take(tight, 0)
+        parts = [np.abs(block @ rows) @ column for block in blocks(self.directions)]
         kept = np.concatenate(parts) if len(parts) > 1 else parts[0]
         along = self.directions @ ((normals.T * signs) @ weights)
         self.values = np.empty((len(kept), 2, 3))

@@ -92,19 +92,19 @@ class ConstantField(ShortRepr, PolygonField):
         """Bound on all velocities in the domain (length/time)."""
         size = self.cells.size
         speeds = [
-            float(abs(f.vx)) + float(abs(f.vy)) + 2 * size * float(abs(f.turn)) for own in self.flows for f in own
+            float(abs(f.vx)) + float(abs(f.vy)) + 2 * size * float(abs(f.turn)) for flows in self.flows for f in flows
         ]
         return max(speeds)
 
     @cached_property
     def turn_scale(self) -> float:
         """Largest rate at which a velocity turns (1/time)."""
-        return max(float(abs(flow.turn)) for own in self.flows for flow in own)
+        return max(float(abs(flow.turn)) for flows in self.flows for flow in flows)
 
     @cached_property
     def rate_scale(self) -> float:
         """Largest rotation rate (1/time)."""
-        return max(float(abs(flow.omega)) for own in self.flows for flow in own)
+        return max(float(abs(flow.omega)) for flows in self.flows for flow in flows)
 
     def tied(self, cell: int) -> bool:
         """Whether several motions tie in a cell."""
@@ -121,7 +121,7 @@ class ConstantField(ShortRepr, PolygonField):
 
     @cached_property
     def _velocities(self) -> tuple[Velocity, ...]:
-        return tuple(own[0].of_pose() for own in self.flows)
+        return tuple(flows[0].of_pose() for flows in self.flows)
 
     def mode_name(self, mode: int) -> str:
         """The name of a cell."""
@@ -129,7 +129,7 @@ class ConstantField(ShortRepr, PolygonField):
 
     def floats(self) -> ConstantField:
         """The same field in floats."""
-        flows = tuple(tuple(flow.floats() for flow in own) for own in self.flows)
+        flows = tuple(tuple(flow.floats() for flow in several) for several in self.flows)
         centre = in_floats(self.centre)
         return replace(self, cells=self.cells.floats, flows=flows, centre=centre)
 

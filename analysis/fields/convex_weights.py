@@ -100,7 +100,7 @@ def extreme_mixtures(vectors: Floats, fields: Floats) -> Floats:
     if _are_listed(columns):
         return basic_weights(columns) @ fields
     ends = (_best_weights(columns, side * part) for part, side in product(fields.T, (1, -1)))
-    return np.array([own @ fields for own in ends if own is not None]).reshape(-1, fields.shape[1])
+    return np.array([weights @ fields for weights in ends if weights is not None]).reshape(-1, fields.shape[1])
 
 
 def _are_listed(columns: Floats) -> bool:

@@ -31,7 +31,7 @@ class Polynomials:
 
     def __init__(self, polynomials: Sequence[Polynomial]) -> None:
         sums = [[(float(c), exponents) for exponents, c in p.terms.items()] for p in polynomials]
-        terms = [term for own in sums for term in own]
+        terms = [term for polynomial in sums for term in polynomial]
         if not all(isfinite(c) for c, _ in terms):
             raise RefusalError("required coefficients within the range of floats, to follow paths: one is above 1e308")
         count = len(polynomials[0].variables)
@@ -62,7 +62,9 @@ def _affine(count: int, sums: Sequence[Terms]) -> tuple[Floats, Floats]:
 def _written_out(count: int, sums: Sequence[Terms]) -> Callable[..., Numbers]:
     """The values as a function of x0, x1, ...; powers are products, which may overflow."""
     x = names("x", count)
-    products = ([(c, [x[k] for k, power in enumerate(e) for _ in range(power)]) for c, e in own] for own in sums)
+    products = (
+        [(c, [x[k] for k, power in enumerate(e) for _ in range(power)]) for c, e in polynomial] for polynomial in sums
+    )
     return compiled(", ".join(x), f"return {listed(map(weighted, products))}")
 
 

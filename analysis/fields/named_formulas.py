@@ -47,19 +47,21 @@ def _named_polynomials(
     """Formulas as polynomials in the states and in the names of norms, sines and the like."""
     waves = system.rewriting.names
     if not waves:
-        return [own.polynomial(system.named(states), sign_of) for own in formulas]
+        return [formula.polynomial(system.named(states), sign_of) for formula in formulas]
     variables = (*system.states, *(wave.name for wave in waves))
     beside = (0,) * len(waves)
 
-    def extended(own: Polynomial) -> Polynomial:
-        return Polynomial(own.field, variables, {(*e, *beside): c for e, c in own.terms.items()})
+    def extended(polynomial: Polynomial) -> Polynomial:
+        return Polynomial(polynomial.field, variables, {(*e, *beside): c for e, c in polynomial.terms.items()})
 
-    def sign_of_states(own: Polynomial) -> int:  # what switches holds no sines
-        return sign_of(Polynomial(own.field, system.states, {e[: len(states)]: c for e, c in own.terms.items()}))
+    def sign_of_states(surface: Polynomial) -> int:  # what switches holds no sines
+        return sign_of(
+            Polynomial(surface.field, system.states, {e[: len(states)]: c for e, c in surface.terms.items()})
+        )
 
     values = dict(zip(system.states, map(extended, states), strict=True))
     values |= {wave.name: Polynomial.variable(system.field, variables, wave.name) for wave in waves}
-    return [own.polynomial(values, sign_of_states) for own in formulas]
+    return [formula.polynomial(values, sign_of_states) for formula in formulas]
 
 
 def _values_of_names(
@@ -68,14 +70,14 @@ def _values_of_names(
     """What the names of norms, sines and the like are at a state; of what is over a norm a function of that."""
     waves = system.rewriting.names
     inner = Polynomials([system.argument_of(wave, states, sign_of) for wave in waves]).at
-    functions = [_root if own.kind in (NORM, INVERSE) else getattr(math, own.kind) for own in waves]
+    functions = [_root if wave.kind in (NORM, INVERSE) else getattr(math, wave.kind) for wave in waves]
     # Of a norm that is zero on a line or more the square, multiplied out, is a small difference of large numbers.
     sizes = _zeros_of_norms(system, states)
-    near = [(k, sizes[own.argument].size) for k, own in enumerate(waves) if own.argument in sizes]
-    over = [k for k, own in enumerate(waves) if own.kind == INVERSE]
+    near = [(k, sizes[wave.argument].size) for k, wave in enumerate(waves) if wave.argument in sizes]
+    over = [k for k, wave in enumerate(waves) if wave.kind == INVERSE]
 
     def values(*x: float) -> Numbers:
-        found = [own(v) if isfinite(v) else nan for own, v in zip(functions, inner(*x), strict=True)]
+        found = [function(v) if isfinite(v) else nan for function, v in zip(functions, inner(*x), strict=True)]
         for k, size in near:
             found[k] = size(*x)
         for k in over:
@@ -107,7 +109,7 @@ def _zeros_of_norms(system: SwitchedSystem, states: Sequence[Polynomial]) -> dic
     if not arguments:
         return {}
     squares = {wave.argument: system.argument_of(wave, states) for wave in system.rewriting.names}
-    return {own: norm_zero(squares[own], f"sqrt({own})") for own in arguments}
+    return {argument: norm_zero(squares[argument], f"sqrt({argument})") for argument in arguments}
 
 
 def with_zeros_of_norms(
@@ -125,11 +127,14 @@ def with_zeros_of_norms(
         rates = _named_polynomials(system, system.rewriting.named_rhs, sign_of, states)
         values = _values_of_names(system, sign_of, states, lambda size: 1 / max(size, width, nearest))
         if not held:
-            norms = ({k: sets[own] for own, k in places[kind].items() if own in sets} for kind in (NORM, INVERSE))
+            norms = (
+                {k: sets[argument] for argument, k in places[kind].items() if argument in sets}
+                for kind in (NORM, INVERSE)
+            )
             return NormVelocity(Polynomials(rates).at, values, *norms)
         chosen = [list(sets)[k] for k in held]
-        inverses = [count + places[INVERSE][own] for own in chosen]
-        return _keeping_to([sets[own] for own in chosen], rates, values, inverses)
+        inverses = [count + places[INVERSE][argument] for argument in chosen]
+        return _keeping_to([sets[argument] for argument in chosen], rates, values, inverses)
 
     @cache
     def keeping(held: tuple[int, ...], width: float) -> SignField:
@@ -161,11 +166,13 @@ def _keeping_to(
     count, variables = len(rates), rates[0].variables
     alone = Polynomials([_without(rate, inverses) for rate in rates]).at
     over = [[rate.derivative(variables[k]) for rate in rates] for k in inverses]
-    slopes = Polynomials([part.derivative(name) for own in over for part in own for name in variables[:count]]).at
+    slopes = Polynomials(
+        [part.derivative(name) for derivatives in over for part in derivatives for name in variables[:count]]
+    ).at
 
     def slopes_at(x: Floats) -> Floats:
-        own = x.tolist()
-        return np.array(slopes(*own, *values(*own))).reshape(len(zeros), count, count)
+        coordinates = x.tolist()
+        return np.array(slopes(*coordinates, *values(*coordinates))).reshape(len(zeros), count, count)
 
     return HeldVelocity(zeros, lambda x: np.array(alone(*x.tolist(), *values(*x.tolist()))), slopes_at)
 

@@ -71,11 +71,15 @@ class NormZero:
 def norm_zero(square: Polynomial, name: str) -> NormZero:
     """The zeros of the root of a sum of squares of affine functions, under its name."""
     slopes = [square.derivative(name) for name in square.variables]
-    hessian = np.array([[float(own.derivative(name).constant_value or 0) for name in own.variables] for own in slopes])
+    hessian = np.array(
+        [[float(slope.derivative(name).constant_value or 0) for name in slope.variables] for slope in slopes]
+    )
     values, vectors = np.linalg.eigh(hessian / 2)
     kept = values > RANK * values.max(initial=0.0)
     rows = np.sqrt(values[kept])[:, None] * vectors[:, kept].T
-    gradient = [float(own([own.field.zero] * len(slopes))) for own in slopes]  # at the origin: twice the transpose of W
+    gradient = [
+        float(slope([slope.field.zero] * len(slopes))) for slope in slopes
+    ]  # at the origin: twice the transpose of W
     return NormZero(name, rows, np.linalg.pinv(rows).T @ gradient / 2)
 
 
@@ -181,16 +185,19 @@ class HeldVelocity(ScalarVelocity):
         """The control with which solutions leave one of the places, while they keep to the others."""
         alone, inputs = self._parts(x)
         matrix, drift = self._rows @ inputs, self._rows @ alone
-        own = np.zeros(len(drift), bool)
-        own[self._blocks[place]] = True
-        kept = np.linalg.pinv(matrix[~own][:, ~own])
-        carried = matrix[own][:, ~own] @ kept
-        own_matrix, own_drift = matrix[own][:, own] - carried @ matrix[~own][:, own], drift[own] - carried @ drift[~own]
+        left = np.zeros(len(drift), bool)
+        left[self._blocks[place]] = True
+        kept = np.linalg.pinv(matrix[~left][:, ~left])
+        carried = matrix[left][:, ~left] @ kept
+        own_matrix, own_drift = (
+            matrix[left][:, left] - carried @ matrix[~left][:, left],
+            drift[left] - carried @ drift[~left],
+        )
         largest = max(0.0, float(np.linalg.eigvals(own_matrix).real.max()))
         _, unit = _secular(own_matrix, own_drift, largest)
         control = np.empty(len(drift))
-        control[own] = unit / (length(unit) or 1.0)
-        control[~own] = -kept @ (drift[~own] + matrix[~own][:, own] @ control[own])
+        control[left] = unit / (length(unit) or 1.0)
+        control[~left] = -kept @ (drift[~left] + matrix[~left][:, left] @ control[left])
         return control
 
     def leaving(self, place: int) -> ScalarVelocity:

@@ -25,8 +25,8 @@ class CellSides:
     """The sides of convex cells in floats, all in a row; their normals are of unit length."""
 
     def __init__(self, cells: Sequence[Sequence[HalfPlane]]) -> None:
-        self._normals = np.array([side.normal for own in cells for side in own])
-        self._offsets = np.array([side.offset for own in cells for side in own])
+        self._normals = np.array([side.normal for sides in cells for side in sides])
+        self._offsets = np.array([side.offset for sides in cells for side in sides])
         self._starts = np.cumsum([0, *map(len, cells[:-1])])
 
     def depths(self, points: Floats) -> Floats:

@@ -34,10 +34,10 @@ def rooted_field(roots: SignedRoots, extended: SignField, turns: Sequence[Surfac
         turns: where speeds across zeros of roots vanish: further surfaces, on which nothing switches, so that a path
             that switches ever faster there has a corner to end in.
     """
-    own, places = len(roots.states), _places(roots)
+    count, places = len(roots.states), _places(roots)
     roots_at = [(place, _root_of(order)) for place, order in places]
     known = tuple(_rooted_surface(roots, surface) for surface in extended.surfaces)
-    units = [tuple(float(k == place) for k in range(own)) for place, _ in places]
+    units = [tuple(float(k == place) for k in range(count)) for place, _ in places]
     missing = [
         (name, unit)
         for name, unit in zip(roots.rooted, units, strict=True)
@@ -48,9 +48,9 @@ def rooted_field(roots: SignedRoots, extended: SignField, turns: Sequence[Surfac
     def flow(signs: Signs) -> Velocity:
         velocity = extended.flow(signs[: len(known)])
         if not isinstance(velocity, ScalarVelocity):
-            return lambda t, x: velocity(t, _with_roots(x, roots))[:own]
+            return lambda t, x: velocity(t, _with_roots(x, roots))[:count]
         rates = velocity.rates
-        return ScalarVelocity(lambda *x: rates(*x, *[root(abs(x[place])) for place, root in roots_at])[:own])
+        return ScalarVelocity(lambda *x: rates(*x, *[root(abs(x[place])) for place, root in roots_at])[:count])
 
     return SignField(roots.states, surfaces, flow, extended.size * SMALL_SCALE)
 
@@ -76,15 +76,15 @@ def _places(roots: SignedRoots) -> list[tuple[int, int]]:
 
 def _rooted_surface(roots: SignedRoots, surface: Surface) -> Surface:
     """A switching function of states and roots as one of the states, by the chain rule."""
-    own = len(roots.states)
+    count = len(roots.states)
 
     def value(x: Floats) -> float:
         return surface.value(_with_roots(x, roots))
 
     def gradient(x: Floats) -> Floats:
         inner = surface.gradient(_with_roots(x, roots))
-        slopes = np.array(inner[:own], dtype=float)
-        for (place, order), along in zip(_places(roots), inner[own:], strict=True):
+        slopes = np.array(inner[:count], dtype=float)
+        for (place, order), along in zip(_places(roots), inner[count:], strict=True):
             size = _root_of(order)(max(abs(float(x[place])), SURFACE_SLACK))
             slopes[place] += along * np.copysign(1 / order, x[place]) / size ** (order - 1)
         return slopes
@@ -95,17 +95,17 @@ def _rooted_surface(roots: SignedRoots, surface: Surface) -> Surface:
 
 def speeds_at_roots(seen: SeenByRoots) -> Iterator[Polynomial]:
     """The speeds across zeros of roots, where they are affine in the other states."""
-    own = len(seen.roots.states)
+    count = len(seen.roots.states)
     states = seen.extended.coordinates()
     zero = [state * (name not in seen.roots.rooted) for name, state in zip(seen.roots.states, states, strict=False)]
-    values = [*zero, *(state * 0 for state in states[own:])]
+    values = [*zero, *(state * 0 for state in states[count:])]
     for member in seen.extended.members:
         for side in (1, -1):
             speeds = member.velocity(lambda surface, side=side: side, values)  # type: ignore[misc]
             for name in seen.roots.rooted:
                 speed = speeds[seen.roots.states.index(name)]
                 if speed.degree == 1:
-                    yield Polynomial(speed.field, seen.roots.states, _shortened(speed, own))
+                    yield Polynomial(speed.field, seen.roots.states, _shortened(speed, count))
 
 
 def _shortened(polynomial: Polynomial, count: int) -> dict[tuple[int, ...], Number]:

@@ -97,7 +97,7 @@ def _beside_point(system: SwitchedSystem, signs: Mapping[Polynomial, int]) -> Ve
     rates, resolved = velocity.rates, POINT_SLACK * max(map(abs, point))
 
     def displaced(*x: float) -> Numbers:
-        away = [own - at for own, at in zip(x, point, strict=True)]
+        away = [value - at for value, at in zip(x, point, strict=True)]
         return rates(*([0.0] * len(point) if max(map(abs, away)) <= resolved else away))
 
     return ScalarVelocity(displaced)

@@ -386,9 +386,9 @@ def fitted_slopes(plan: StudyPlan, rows: Sequence[ResultRow]) -> list[FittedSlop
     """The slope of every method of a plan that has a setting; errors at rounding level say nothing and are left out."""
     slopes = []
     for method, order in plan.orders.items():
-        own = [row for row in rows if row.method == method]
-        parameter = next((row.parameter for row in own if row.parameter), "setting")
-        told = [(row.setting, row.error) for row in own if row.setting and row.error and row.error > plan.rounding]
+        measured = [row for row in rows if row.method == method]
+        parameter = next((row.parameter for row in measured if row.parameter), "setting")
+        told = [(row.setting, row.error) for row in measured if row.setting and row.error and row.error > plan.rounding]
         slope = FittedSlope(method, parameter, order)
         if len(told) >= FEWEST:
             settings, errors = zip(*told, strict=True)

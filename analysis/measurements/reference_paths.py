@@ -251,9 +251,9 @@ def system_pieces(scene: SwitchedSystem) -> tuple[ReferencePiece, ...]:
 def _over_cells(partition: Partition, rates: Sequence[tuple[Form, ...]]) -> tuple[ReferencePiece, ...]:
     """A piece for each cell, with sides where its half-planes end."""
     pieces = []
-    for cell, own in zip(partition.cells, rates, strict=True):
+    for cell, forms in zip(partition.cells, rates, strict=True):
         bounds = [(ball(side.offset), *map(ball, side.normal)) for side in cell.polygon.sides]
-        pieces.append(ReferencePiece(tuple(_linear(c, -a, -b) for c, a, b in bounds), own))
+        pieces.append(ReferencePiece(tuple(_linear(c, -a, -b) for c, a, b in bounds), forms))
     return tuple(pieces)
 
 

@@ -367,9 +367,9 @@ def loads_of(model: ContactModel, wheels: Indices, carrying: Mask, levers: Float
         return loads, balanced
     for k in np.flatnonzero(balanced):  # one after the other: a law is known by its forms on one set
         under = np.flatnonzero(carrying[k])
-        own = model.on(wheels[k, under].tolist())
+        carried = model.on(wheels[k, under].tolist())
         try:
-            loads[k, under] = loads_at(own, own.positions[:1] - levers[k, under[:1]])
+            loads[k, under] = loads_at(carried, carried.positions[:1] - levers[k, under[:1]])
         except LoadError:
             balanced[k] = False
     return loads, balanced

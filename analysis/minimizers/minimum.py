@@ -352,9 +352,9 @@ class Minima:
 
     def __getitem__(self, k: int) -> Minima:
         k = range(len(self))[k]
-        own, faces = slice(k, k + 1), {0: self.faces[k]} if k in self.faces else {}
+        part, faces = slice(k, k + 1), {0: self.faces[k]} if k in self.faces else {}
         model = self.model.at_point(k)
-        return Minima(self.functional, model, self.loads[own], self.twists[own], self.forces[own], faces)
+        return Minima(self.functional, model, self.loads[part], self.twists[part], self.forces[part], faces)
 
     def __iter__(self) -> Iterator[Minima]:
         return (self[k] for k in range(len(self)))

@@ -279,8 +279,8 @@ def by_holding(found: Solutions, at: Indices, sums: SupportSums, guess: Floats) 
     rest = np.flatnonzero(~found.proved[at])
     if not len(rest):
         return
-    few, own = sums.take(rest), held.take(rest)
-    start = y[:, rest] + _little_slip(few, own, units[..., rest], few.slips(y[:, rest]), force[:, rest])
+    few, fixed = sums.take(rest), held.take(rest)
+    start = y[:, rest] + _little_slip(few, fixed, units[..., rest], few.slips(y[:, rest]), force[:, rest])
     start = np.where(few.values(start) < few.values(guess[:, rest]), start, guess[:, rest])
     _keep_settled(found, at[rest], few, *_freely(few, start))
 
@@ -419,8 +419,8 @@ def by_smoothing(
     with np.errstate(all="ignore"):  # a problem at the limit of doubles may divide by 0; that step is not kept
         for first in range(0, max(len(weights), 1), size):
             block = slice(first, first + size)
-            own = targets[block] if targets.ndim == 3 else targets[None]
-            columns = np.ascontiguousarray(own.transpose(2, 1, 0))
+            offsets = targets[block] if targets.ndim == 3 else targets[None]
+            columns = np.ascontiguousarray(offsets.transpose(2, 1, 0))
             back = None if pulls is None else np.ascontiguousarray(pulls[block].T)
             sums = SupportSums(np.ascontiguousarray(weights[block].T), maps, columns, sets, back)
             found.append(_solved(sums, sets, passes))

@@ -97,10 +97,10 @@ def _changes(piece: Piece, speeds: list[Speeds], limits: Mapping[int, float], *,
 
     def excess(since: float) -> float:
         pose = tuple(float(value) for value in piece.state(since))
-        return max((demand(own(pose), limits) for own in speeds), default=0.0) - 1
+        return max((demand(law(pose), limits) for law in speeds), default=0.0) - 1
 
-    own = [float(time) - start for time in piece.times]
-    times = sorted({0.0, *own, *((a + b) / 2 for a, b in pairwise(own))})
+    offsets = [float(time) - start for time in piece.times]
+    times = sorted({0.0, *offsets, *((a + b) / 2 for a, b in pairwise(offsets))})
     before = 0.0, 0.0
     for since in times:
         now = excess(since)
@@ -120,7 +120,7 @@ def _passing(excess: Demand, side: float, before: tuple[float, float], after: tu
 def _at_limit(piece: Piece, at: float, speeds: list[Speeds], limits: Mapping[int, float]) -> tuple[int, ...]:
     """The wheels that ask for the most of what they can do."""
     pose = tuple(float(value) for value in piece.state(at))
-    shares = [(abs(speed) / limits[w], w) for own in speeds for w, speed in own(pose).items() if w in limits]
+    shares = [(abs(speed) / limits[w], w) for law in speeds for w, speed in law(pose).items() if w in limits]
     most = max(shares)[0]
     return tuple(sorted({wheel for share, wheel in shares if share >= most * SAME_SHARE}))
 

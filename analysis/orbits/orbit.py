@@ -244,8 +244,8 @@ def _differences(first: Multipliers, second: Multipliers) -> Floats:
     distances[np.isinf(first)[:, None] & np.isinf(second)[None, :]] = 0.0
     if not are_finite(distances):
         distances = np.where(np.isfinite(distances), distances, np.finfo(float).max / 4)
-    own, partner = linear_sum_assignment(distances)
-    return distances[own, partner]
+    row, partner = linear_sum_assignment(distances)
+    return distances[row, partner]
 
 
 def _sense(leg: Leg) -> SlideSense:

@@ -77,10 +77,10 @@ class BatchPaths:
         self.arrays = CellArrays.joined(self.regions)
         self.first_edge = len(self.arrays.flows)
         self.first_corner = self.first_edge + len(self.arrays.starts)
-        self.starts = np.concatenate([np.array(own, dtype=float) for own in starts])
+        self.starts = np.concatenate([np.array(points, dtype=float) for points in starts])
         self.points = self.starts.copy()
         count = len(self.points)
-        self.region = np.repeat(np.arange(len(fields)), [len(own) for own in starts])
+        self.region = np.repeat(np.arange(len(fields)), [len(points) for points in starts])
         slacks = np.array([_slacks(region) for region in self.regions])[self.region]
         self.slack, self.speed_slack, self.product_slack, self.rate_slack, self.small = slacks.T
         self.theta, self.time = np.full(count, theta), np.zeros(count)
@@ -90,11 +90,11 @@ class BatchPaths:
         self.anchors, self.anchored = np.full((count, 2), np.nan), np.full((count, 2), DONE)
         self.corners: dict[int, tuple[Junction, list[Choice]]] = {}
         for number, region in enumerate(self.regions):
-            own = np.flatnonzero(self.region == number)
-            inside = region.field.depths(self.points[own]) > region.field.cells.slack
+            paths = np.flatnonzero(self.region == number)
+            inside = region.field.depths(self.points[paths]) > region.field.cells.slack
             held = inside.any(axis=1)
-            self.place[own[held]] = region.cell + inside[held].argmax(axis=1)
-            self._one_by_one(own[~held])
+            self.place[paths[held]] = region.cell + inside[held].argmax(axis=1)
+            self._one_by_one(paths[~held])
 
     def run(self, report: OnRow | None = None) -> None:
         """Leg after leg; ``report`` is told how many of all starts have ended."""
@@ -130,169 +130,171 @@ class BatchPaths:
 
     # ---- legs ----------------------------------------------------------------------------
 
-    def _through(self, own: Indices) -> None:
+    def _through(self, paths: Indices) -> None:
         """Through cells to their borders."""
-        cell = self.place[own]
-        self.unique[own] &= ~self.arrays.tied[cell]
+        cell = self.place[paths]
+        self.unique[paths] &= ~self.arrays.tied[cell]
         flow = self.arrays.flow(cell)
-        still = np.abs(velocities(flow, self.points[own])).max(axis=1, initial=0) <= self.speed_slack[own]
-        self._rest(own[still], flow.omega[still])
-        own, cell = own[~still], cell[~still]
+        still = np.abs(velocities(flow, self.points[paths])).max(axis=1, initial=0) <= self.speed_slack[paths]
+        self._rest(paths[still], flow.omega[still])
+        paths, cell = paths[~still], cell[~still]
         flow, normals, offsets = self.arrays.flow(cell), self.arrays.normals[cell], self.arrays.offsets[cell]
-        times = crossing_times(flow, normals, offsets, self.points[own], self._entered(own), self.speed_slack[own])
+        times = crossing_times(
+            flow, normals, offsets, self.points[paths], self._entered(paths), self.speed_slack[paths]
+        )
         time = times.min(axis=1)
         circles = np.isinf(time)
-        self.time[own[circles]], self.theta[own[circles]] = np.inf, np.copysign(np.inf, flow.omega[circles])
-        self._finish(own[circles], EndReason.CIRCLES)
-        own, cell, side, time = (values[~circles] for values in (own, cell, times.argmin(axis=1), time))
+        self.time[paths[circles]], self.theta[paths[circles]] = np.inf, np.copysign(np.inf, flow.omega[circles])
+        self._finish(paths[circles], EndReason.CIRCLES)
+        paths, cell, side, time = (values[~circles] for values in (paths, cell, times.argmin(axis=1), time))
         flow = self.arrays.flow(cell)
-        self.points[own] = moved(flow, self.points[own], time)
-        self.theta[own] += flow.omega * time
-        self.time[own] += time
-        self._land(own, self.arrays.borders[cell, side])
+        self.points[paths] = moved(flow, self.points[paths], time)
+        self.theta[paths] += flow.omega * time
+        self.time[paths] += time
+        self._land(paths, self.arrays.borders[cell, side])
 
-    def _entered(self, own: Indices) -> Mask:
+    def _entered(self, paths: Indices) -> Mask:
         """Through which sides of their cells paths came in, (m, sides)."""
-        cell, entry = self.place[own], self.entry[own]
+        cell, entry = self.place[paths], self.entry[paths]
         entered = np.zeros(self.arrays.offsets[cell].shape, dtype=bool)
         by_edge = np.flatnonzero((entry != DONE) & (entry < self.first_corner))
         edge = entry[by_edge] - self.first_edge
         is_left = self.arrays.beside[edge, 0] == cell[by_edge]
         entered[by_edge, np.where(is_left, *self.arrays.sides[edge].T)] = True
         for k in np.flatnonzero(entry >= self.first_corner).tolist():
-            region = self._region_of(own[k])
+            region = self._region_of(paths[k])
             corner = int(entry[k]) - self.first_corner - region.corner
             entered[k, list(region.field.cells.active_sides(int(cell[k]) - region.cell, corner))] = True
         return entered
 
-    def _land(self, own: Indices, borders: Indices) -> None:
+    def _land(self, paths: Indices, borders: Indices) -> None:
         """Onto one of the edges of a side, (m, edges), or onto a corner of them, exactly."""
         for edge in borders.T:
             there = edge != NONE
-            self._land_on(own[there], edge[there])
+            self._land_on(paths[there], edge[there])
 
-    def _land_on(self, own: Indices, edge: Indices) -> None:
+    def _land_on(self, paths: Indices, edge: Indices) -> None:
         """Onto edges or corners of them, where they are there."""
         r, start, end = self.arrays.directions[edge], self.arrays.starts[edge], self.arrays.ends[edge]
         begin = self.arrays.points[start]
-        along, length = dot(self.points[own] - begin, r), dot(self.arrays.points[end] - begin, r)
-        slack = self.slack[own]
+        along, length = dot(self.points[paths] - begin, r), dot(self.arrays.points[end] - begin, r)
+        slack = self.slack[paths]
         on = (along > slack) & (along < length - slack)
-        self.points[own[on]] = (begin + along[:, None] * r)[on]
-        self.place[own[on]] = self.first_edge + edge[on]
+        self.points[paths[on]] = (begin + along[:, None] * r)[on]
+        self.place[paths[on]] = self.first_edge + edge[on]
         for corner, distance in ((start, along), (end, along - length)):
             near = np.abs(distance) <= slack
-            self._reach(own[near], corner[near])
+            self._reach(paths[near], corner[near])
 
-    def _reach(self, own: Indices, corner: Indices) -> None:
-        self.points[own], self.place[own] = self.arrays.points[corner], self.first_corner + corner
+    def _reach(self, paths: Indices, corner: Indices) -> None:
+        self.points[paths], self.place[paths] = self.arrays.points[corner], self.first_corner + corner
 
-    def _on_edge(self, own: Indices) -> None:
+    def _on_edge(self, paths: Indices) -> None:
         """Across edges, along them, or at rest on them."""
-        edge = self.place[own] - self.first_edge
+        edge = self.place[paths] - self.first_edge
         inner = (self.arrays.beside[edge] != NONE).all(axis=1)
-        self._finish(own[~inner], EndReason.OUTSIDE)
-        own, edge = own[inner], edge[inner]
+        self._finish(paths[~inner], EndReason.OUTSIDE)
+        paths, edge = paths[inner], edge[inner]
         cells, r = self.arrays.beside[edge], self.arrays.directions[edge]
         left, right = (self.arrays.flow(cells[:, k]) for k in (0, 1))
-        u, v = (edge_speeds(flow, r, self.points[own]) for flow in (left, right))
-        n1, n2 = (np.where(np.abs(n) > self.speed_slack[own], np.sign(n), 0) for n in (u.normal, v.normal))
+        u, v = (edge_speeds(flow, r, self.points[paths]) for flow in (left, right))
+        n1, n2 = (np.where(np.abs(n) > self.speed_slack[paths], np.sign(n), 0) for n in (u.normal, v.normal))
         push, *_ = sliding(v, u)
-        opposed, moves = n1 * n2 < 0, np.abs(push) > self.product_slack[own]
+        opposed, moves = n1 * n2 < 0, np.abs(push) > self.product_slack[paths]
         for sense, k in ((1, 0), (-1, 1)):
             crosses = (n1 == sense) & (n2 == sense)
-            self._cross(own[crosses], edge[crosses], cells[crosses, k])
-        self.unique[own[opposed & (n1 > 0)]] = False
-        self.unique[own[opposed]] &= ~self.arrays.tied[cells[opposed]].any(axis=1)
+            self._cross(paths[crosses], edge[crosses], cells[crosses, k])
+        self.unique[paths[opposed & (n1 > 0)]] = False
+        self.unique[paths[opposed]] &= ~self.arrays.tied[cells[opposed]].any(axis=1)
         slides, rests = opposed & moves, opposed & ~moves
-        self._slide(own[slides], edge[slides], forward=np.sign(push[slides]) * n2[slides] > 0)
+        self._slide(paths[slides], edge[slides], forward=np.sign(push[slides]) * n2[slides] > 0)
         turn = v.normal[rests] * left.omega[rests] - u.normal[rests] * right.omega[rests]
-        self._rest(own[rests], turn / (v.normal - u.normal)[rests])
-        self._one_by_one(own[n1 * n2 == 0])
+        self._rest(paths[rests], turn / (v.normal - u.normal)[rests])
+        self._one_by_one(paths[n1 * n2 == 0])
 
-    def _cross(self, own: Indices, edge: Indices, cell: Indices) -> None:
+    def _cross(self, paths: Indices, edge: Indices, cell: Indices) -> None:
         """Into cells, or to the limit of infinitely many small turns around a corner of the edge."""
-        if not len(own):
+        if not len(paths):
             return
-        self.place[own], self.entry[own] = cell, self.first_edge + edge
+        self.place[paths], self.entry[paths] = cell, self.first_edge + edge
         for corner in (self.arrays.starts[edge], self.arrays.ends[edge]):
-            distance = norms(self.points[own] - self.arrays.points[corner])
-            for k in np.flatnonzero(distance <= self.small[own]).tolist():
-                region = self._region_of(own[k])
+            distance = norms(self.points[paths] - self.arrays.points[corner])
+            for k in np.flatnonzero(distance <= self.small[paths]).tolist():
+                region = self._region_of(paths[k])
                 numbers = int(edge[k]) - region.edge, int(cell[k]) - region.cell, int(corner[k]) - region.corner
                 turn = region.turns.inward_from(*numbers)
                 if turn is not None and turn.fits(distance[k]):
                     around = region.field.cells.points[numbers[-1]]
-                    spiral = CornerSpiral(turn, around, self.theta[own[k]], distance[k])
-                    time, self.theta[own[k]] = spiral.limit()
-                    self.time[own[k]] += time
-                    self._reach(own[k : k + 1], corner[k : k + 1])
+                    spiral = CornerSpiral(turn, around, self.theta[paths[k]], distance[k])
+                    time, self.theta[paths[k]] = spiral.limit()
+                    self.time[paths[k]] += time
+                    self._reach(paths[k : k + 1], corner[k : k + 1])
 
-    def _slide(self, own: Indices, edge: Indices, *, forward: Mask) -> None:
+    def _slide(self, paths: Indices, edge: Indices, *, forward: Mask) -> None:
         """Along edges to a corner, to where sliding ends, or towards an equilibrium."""
-        if not len(own):
+        if not len(paths):
             return
         cells, r = self.arrays.beside[edge], self.arrays.directions[edge]
         cells, r = np.where(forward[:, None], cells, cells[:, ::-1]), np.where(forward[:, None], r, -r)
         corner = np.where(forward, self.arrays.ends[edge], self.arrays.starts[edge])
-        ends = dot(self.arrays.points[corner] - self.points[own], r)
+        ends = dot(self.arrays.points[corner] - self.points[paths], r)
         left, right = (self.arrays.flow(cells[:, k]) for k in (0, 1))
-        speeds = edge_speeds(left, r, self.points[own]), edge_speeds(right, r, self.points[own])
+        speeds = edge_speeds(left, r, self.points[paths]), edge_speeds(right, r, self.points[paths])
         reach, time, rotation = slide_ends(speeds, (left.omega, right.omega), ends)
-        self.points[own] += reach[:, None] * r
-        self.time[own] += time
-        self.theta[own] += rotation
+        self.points[paths] += reach[:, None] * r
+        self.time[paths] += time
+        self.theta[paths] += rotation
         endless = np.isinf(time)
-        self._finish(own[endless], EndReason.APPROACH)
-        there = ~endless & (ends - reach <= self.slack[own])
-        self._reach(own[there], corner[there])
+        self._finish(paths[endless], EndReason.APPROACH)
+        there = ~endless & (ends - reach <= self.slack[paths])
+        self._reach(paths[there], corner[there])
         between = ~endless & ~there
         for number, ahead in sorted(set(zip(edge[between].tolist(), forward[between].tolist(), strict=True))):
-            self._leave(number, own[between & (edge == number) & (forward == ahead)])
+            self._leave(number, paths[between & (edge == number) & (forward == ahead)])
 
-    def _leave(self, number: int, own: Indices) -> None:
+    def _leave(self, number: int, paths: Indices) -> None:
         """Where sliding along an edge in one direction ends in between: at one point for all, hence decided once."""
-        (x, y), region = self.points[own[0]].tolist(), self._region_of(own[0])
+        (x, y), region = self.points[paths[0]].tolist(), self._region_of(paths[0])
         _, choices = _ways_from(region, OnEdge(number - region.edge), (x, y))
-        same = spread(self.points[own]) <= region.field.cells.slack
-        self._go_on(own, choices if same else [], self.first_edge + number)
+        same = spread(self.points[paths]) <= region.field.cells.slack
+        self._go_on(paths, choices if same else [], self.first_edge + number)
 
-    def _at_corner(self, corner: int, own: Indices) -> None:
+    def _at_corner(self, corner: int, paths: Indices) -> None:
         """From a corner: all go the same way."""
-        region = self._region_of(own[0])
+        region = self._region_of(paths[0])
         if corner not in self.corners:
             place = AtCorner(corner - region.corner)
             self.corners[corner] = _ways_from(region, place, region.field.cells.points[place.corner])
         junction, choices = self.corners[corner]
         if not choices and junction.border:
-            self._finish(own, EndReason.OUTSIDE)
+            self._finish(paths, EndReason.OUTSIDE)
         elif len(choices) == 1 and choices[0].kind is EventKind.REST:
-            self.unique[own] &= not region.turns.lead_outward(corner - region.corner)
-            self._rest(own, np.full(len(own), choices[0].rate))
+            self.unique[paths] &= not region.turns.lead_outward(corner - region.corner)
+            self._rest(paths, np.full(len(paths), choices[0].rate))
         else:
-            self._go_on(own, choices, self.first_corner + corner)
+            self._go_on(paths, choices, self.first_corner + corner)
 
-    def _go_on(self, own: Indices, choices: Sequence[Choice], entry: int) -> None:
+    def _go_on(self, paths: Indices, choices: Sequence[Choice], entry: int) -> None:
         """From an edge or corner into a cell, where that is the only choice of all paths; else one by one."""
         if len(choices) == 1 and choices[0].kind is EventKind.CROSS:
-            self.place[own], self.entry[own] = self._region_of(own[0]).cell + choices[0].cells[0], entry
+            self.place[paths], self.entry[paths] = self._region_of(paths[0]).cell + choices[0].cells[0], entry
         else:
-            self._one_by_one(own)
+            self._one_by_one(paths)
 
     # ---- ends ----------------------------------------------------------------------------
 
-    def _rest(self, own: Indices, rates: Floats) -> None:
+    def _rest(self, paths: Indices, rates: Floats) -> None:
         """At rest; where theta drifts on, it has no limit."""
-        turning = np.abs(rates) > self.rate_slack[own]
-        self.theta[own[turning]] = np.copysign(np.inf, rates[turning])
-        self._finish(own[turning], EndReason.TURNING)
-        self._finish(own[~turning], EndReason.REST)
+        turning = np.abs(rates) > self.rate_slack[paths]
+        self.theta[paths[turning]] = np.copysign(np.inf, rates[turning])
+        self._finish(paths[turning], EndReason.TURNING)
+        self._finish(paths[~turning], EndReason.REST)
 
-    def _finish(self, own: Indices, reason: EndReason, name: str | None = None) -> None:
+    def _finish(self, paths: Indices, reason: EndReason, name: str | None = None) -> None:
         """The end of paths, where they are or at a place of another name."""
-        for k in own.tolist():
+        for k in paths.tolist():
             self.ends[k] = reason, self._name_of(k) if name is None else name
-        self.place[own] = DONE
+        self.place[paths] = DONE
 
     def _name_of(self, path: int) -> str:
         """The name of the place where a path is."""
@@ -303,16 +305,18 @@ class BatchPaths:
             return region.field.place_name(OnEdge(place - self.first_edge - region.edge))
         return region.field.place_name(AtCorner(place - self.first_corner - region.corner))
 
-    def _one_by_one(self, own: Indices) -> None:
+    def _one_by_one(self, paths: Indices) -> None:
         """Follow starts by the scalar integrator from where they are; those at the same point, together.
 
         The velocity does not depend on theta, so that all who are at one point go the same way and turn by as much.
         """
-        if not len(own):
+        if not len(paths):
             return
-        points, member = np.unique(np.column_stack([self.region[own], self.points[own]]), axis=0, return_inverse=True)
+        points, member = np.unique(
+            np.column_stack([self.region[paths], self.points[paths]]), axis=0, return_inverse=True
+        )
         for k, (_, x, y) in enumerate(points.tolist()):
-            together = own[member.ravel() == k]
+            together = paths[member.ravel() == k]
             field = self._region_of(together[0]).field
             path = follow_cells(field, (x, y, 0.0))
             last = path.pieces[-1] if path.pieces else None
@@ -393,15 +397,17 @@ class CellArrays(NamedTuple):
         cells, edges = field.cells, field.cells.edges
         shape = len(cells.polygons), max(len(polygon.sides) for polygon in cells.polygons)
         normals, offsets = np.zeros((*shape, 2)), np.full(shape, np.inf)
-        borders = np.full((*shape, max(len(border) for own in cells.borders for border in own)), NONE)
+        borders = np.full(
+            (*shape, max(len(border) for borders_of_cell in cells.borders for border in borders_of_cell)), NONE
+        )
         beside, sides = np.full((2, len(edges), 2), NONE)
-        for cell, (polygon, own) in enumerate(zip(cells.polygons, cells.borders, strict=True)):
-            for k, (side, border) in enumerate(zip(polygon.sides, own, strict=True)):
+        for cell, (polygon, cell_borders) in enumerate(zip(cells.polygons, cells.borders, strict=True)):
+            for k, (side, border) in enumerate(zip(polygon.sides, cell_borders, strict=True)):
                 normals[cell, k], offsets[cell, k], borders[cell, k, : len(border)] = side.normal, side.offset, border
                 for edge in border:
                     column = 0 if edges[edge].left == cell else 1
                     beside[edge, column], sides[edge, column] = cell, k
-        flows = np.array([(own[0].vx, own[0].vy, own[0].omega, own[0].turn) for own in field.flows])
+        flows = np.array([(motions[0].vx, motions[0].vy, motions[0].omega, motions[0].turn) for motions in field.flows])
         tied = np.array([field.tied(cell) for cell in range(len(flows))])
         points, (starts, ends) = float_points(cells.points), np.array([(edge.start, edge.end) for edge in edges]).T
         along = points[ends] - points[starts]
@@ -414,22 +420,22 @@ class CellArrays(NamedTuple):
         arrays = [cls.of(region.field) for region in regions]
         if len(arrays) == 1:
             return arrays[0]
-        most_sides, most_edges = np.array([own.borders.shape[1:] for own in arrays]).max(axis=0)
+        most_sides, most_edges = np.array([table.borders.shape[1:] for table in arrays]).max(axis=0)
         rows = [
             (
-                own.flows,
-                own.tied,
-                _padded(own.normals, (most_sides, 2), 0.0),
-                _padded(own.offsets, (most_sides,), np.inf),
-                _padded(_further(own.borders, region.edge), (most_sides, most_edges), NONE),
-                own.points,
-                own.starts + region.corner,
-                own.ends + region.corner,
-                own.directions,
-                _further(own.beside, region.cell),
-                own.sides,
+                table.flows,
+                table.tied,
+                _padded(table.normals, (most_sides, 2), 0.0),
+                _padded(table.offsets, (most_sides,), np.inf),
+                _padded(_further(table.borders, region.edge), (most_sides, most_edges), NONE),
+                table.points,
+                table.starts + region.corner,
+                table.ends + region.corner,
+                table.directions,
+                _further(table.beside, region.cell),
+                table.sides,
             )
-            for own, region in zip(arrays, regions, strict=True)
+            for table, region in zip(arrays, regions, strict=True)
         ]
         return cls(*map(np.concatenate, zip(*rows, strict=True)))
 

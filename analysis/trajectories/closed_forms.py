@@ -190,19 +190,19 @@ def signs_of(field: ConstantField) -> Signs:
 def junction_at(field: ConstantField, place: OnEdge | AtCorner, point: Point) -> Junction:
     """The fan at a point of an edge or at a corner."""
     cells = field.cells
-    own: ActiveSides
+    active: ActiveSides
     if isinstance(place, OnEdge):
         edge = cells.edges[place.edge]
-        own = tuple((cell, ((cells.side_of(cell, place.edge), len(edge.cells) < 2),)) for cell in edge.cells)
-        return Junction(point, own, tuple(_rays(field, place.edge, point)), len(edge.cells) < 2)
+        active = tuple((cell, ((cells.side_of(cell, place.edge), len(edge.cells) < 2),)) for cell in edge.cells)
+        return Junction(point, active, tuple(_rays(field, place.edge, point)), len(edge.cells) < 2)
     corner = cells.corners[place.corner]
-    own = tuple(
+    active = tuple(
         (cell, tuple((k, _is_border(field, cell, k)) for k in cells.active_sides(cell, place.corner)))
         for cell in corner.cells
     )
     rays = chain.from_iterable(_rays(field, number, point, place.corner) for number in corner.edges)
     border = any(len(cells.edges[number].cells) < 2 for number in corner.edges)
-    return Junction(point, own, tuple(rays), border)
+    return Junction(point, active, tuple(rays), border)
 
 
 def _is_border(field: ConstantField, cell: int, side: int) -> bool:

@@ -97,9 +97,9 @@ class FaceMotion:
     @property
     def velocity(self) -> Velocity:
         """The cheapest callable form: a single member's own field, and of a slide in single floats where both are."""
-        own = [m.velocity.rates for m in self.face.members if isinstance(m.velocity, ScalarVelocity)]
-        if self.is_pair and not self.weights_open and len(own) == 2:
-            return ScalarVelocity(partial(self._slide, own))
+        rates = [m.velocity.rates for m in self.face.members if isinstance(m.velocity, ScalarVelocity)]
+        if self.is_pair and not self.weights_open and len(rates) == 2:
+            return ScalarVelocity(partial(self._slide, rates))
         return self._single or self
 
     def _slide(self, members: Sequence[Callable[..., Numbers]], *x: float) -> Numbers:

@@ -117,7 +117,7 @@ class PolynomialInterpolant:
     def __call__(self, times: Any) -> Floats:
         """The state at a time, or at many."""
         s = (times - self._start) / self._unit
-        return np.array([self._value(s, *own) for own in self._states])
+        return np.array([self._value(s, *state) for state in self._states])
 
     def along(self, normal: Sequence[float], first: float) -> Callable[[float], float]:
         """A linear function of the state with a gradient, and a value where the step begins, as a function of time."""
@@ -170,15 +170,15 @@ class Stretch(NamedTuple):
         steps = np.searchsorted(self.times, times, side="right") - 1
         found = np.empty((len(times), self.end.size))
         by_step = np.argsort(steps, kind="stable")
-        for own in np.split(by_step, np.flatnonzero(np.diff(steps[by_step])) + 1):
-            if not own.size:
+        for numbers in np.split(by_step, np.flatnonzero(np.diff(steps[by_step])) + 1):
+            if not numbers.size:
                 continue
-            k = int(steps[own[0]])
+            k = int(steps[numbers[0]])
             if k >= len(self.steps):
-                found[own] = self.end
+                found[numbers] = self.end
             else:
-                found[own] = self.steps[k](times[own]).T
-                found[own[times[own] == self.times[k]]] = self.states[k]
+                found[numbers] = self.steps[k](times[numbers]).T
+                found[numbers[times[numbers] == self.times[k]]] = self.states[k]
         return found
 
 

@@ -221,15 +221,15 @@ class FaceGuards(Guards):
 
     def slope(self, k: int, t: float, x: Floats, rate: Floats) -> float:
         """The derivative of one along the motion."""
-        own = self._own[k]
-        return own.slope(t, x, rate) if own.normal is None else float(own.normal.dot(rate))
+        guard = self._own[k]
+        return guard.slope(t, x, rate) if guard.normal is None else float(guard.normal.dot(rate))
 
     def along(self, k: int, step: DenseStep) -> Callable[[float], float]:
         """One as a function of time; of a flat surface its distance from that where the step begins."""
-        own, between = self._own[k], step.between
-        if own.normal is None or not isinstance(between, PolynomialInterpolant):
+        guard, between = self._own[k], step.between
+        if guard.normal is None or not isinstance(between, PolynomialInterpolant):
             return super().along(k, step)
-        return between.along(own.normal.tolist(), own.value(step.start, step.first))
+        return between.along(guard.normal.tolist(), guard.value(step.start, step.first))
 
 
 def guards_of(field: FacedField, choice: FaceChoice, t: float, x: Floats) -> list[Guard]:

@@ -140,14 +140,14 @@ def settle_maps(
     return [_map_of(paths, slice(end - len(starts), end)) for end, (_, starts) in zip(last, maps, strict=True)]
 
 
-def _map_of(paths: BatchPaths, own: slice) -> SettleMap:
+def _map_of(paths: BatchPaths, part: slice) -> SettleMap:
     """The paths of one field."""
-    ends = paths.ends[own]
+    ends = paths.ends[part]
     kinds = dict.fromkeys(end for end in ends if end is not None)
     numbers = {end: k for k, end in enumerate(kinds)}
     basin = np.array([DONE if end is None else numbers[end] for end in ends], dtype=int)
-    starts, theta, time = paths.starts[own], paths.theta[own], paths.time[own]
-    return SettleMap(starts, theta, time, paths.points[own], basin, tuple(kinds), paths.unique[own])
+    starts, theta, time = paths.starts[part], paths.theta[part], paths.time[part]
+    return SettleMap(starts, theta, time, paths.points[part], basin, tuple(kinds), paths.unique[part])
 
 
 # ---- at which equilibria the paths of a map end --------------------------------------------------

@@ -130,7 +130,7 @@ class FacesAndZeros(FilippovFaces):
 
     def _leave(self, path: Path, velocities: Sequence[HeldVelocity], kind: EventKind) -> EndReason | None:
         """Leave the zeros that cannot be kept to."""
-        lengths = min(velocities, key=lambda own: own.margin(path.state)).lengths(path.state)
+        lengths = min(velocities, key=lambda velocity: velocity.margin(path.state)).lengths(path.state)
         if len(lengths) > 1 and not all(map(math.isfinite, lengths)):
             path.note = "no control keeps to the zeros of all norms, and it is not known which of them are left"
             return EndReason.UNPROVED
@@ -171,7 +171,7 @@ def _velocities(face: Face) -> list[HeldVelocity]:
 
 def _margin(motion: FaceMotion, t: float, x: Floats) -> float:
     """How much shorter than one the equivalent control of every member is."""
-    return min(own.margin(x) for own in _velocities(motion.face))
+    return min(velocity.margin(x) for velocity in _velocities(motion.face))
 
 
 def _on_zeros(zeros: Sequence[NormZero], x: Floats) -> Floats:

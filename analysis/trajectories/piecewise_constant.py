@@ -277,7 +277,7 @@ class _Cells(HybridField):
         if path.until is None and isinstance(place, OnEdge) and self._repeats(place.edge, cell, point):
             return EndReason.CIRCLES
         return self._through(
-            path, cell, next(frozenset(k for k, _ in sides) for own, sides in junction.cells if own == cell)
+            path, cell, next(frozenset(k for k, _ in sides) for member, sides in junction.cells if member == cell)
         )
 
     def _through(self, path: Path, cell: int, active: frozenset[int]) -> _Leg:

@@ -228,10 +228,10 @@ class Trajectory(ShortRepr):
         found = np.empty((len(asked), len(self.end.state)))
         begun = np.searchsorted([piece.start for piece in self.pieces], asked, side="right")
         for k, piece in enumerate(self.pieces):
-            own = np.maximum(begun - 1, 0) == k
-            if piece.states is not None and own.any():
+            covered = np.maximum(begun - 1, 0) == k
+            if piece.states is not None and covered.any():
                 last = np.inf if piece.end is None else piece.end - piece.start
-                found[own] = piece.states(np.clip(asked[own] - piece.start, 0.0, last))
+                found[covered] = piece.states(np.clip(asked[covered] - piece.start, 0.0, last))
         if self.pieces[-1].end is not None:
             found[asked >= self.pieces[-1].end] = _floats(self.end.state)
         return found
@@ -466,8 +466,8 @@ def ending(path: Trajectory, size: float | None = None, fastest: float = 0.0) ->
     unit = max(fastest, float(speeds.max()))
     slow = max(REST * unit, ROUNDING * max_norm(states) / length)
     final = states[-1] - states[-2]
-    own = final if size is None else final[:2]
-    speed, turning = float(np.linalg.norm(own) / length), None if size is None else float(final[2] / length)
+    shift = final if size is None else final[:2]
+    speed, turning = float(np.linalg.norm(shift) / length), None if size is None else float(final[2] / length)
     if path.end.reason in FOR_EVER:
         return Ending(EndMotion.MOVING, None, speed, turning)
     if path.end.reason is EndReason.REST or speeds[-1] <= slow:

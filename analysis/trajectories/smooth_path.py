@@ -142,8 +142,8 @@ class FaceMode(Mode):
 
     def further_met(self, guard: int | None) -> int | None:
         """Which of the further guards has fallen, if one has."""
-        own = -1 if guard is None else guard - self._bounds.first_further
-        return None if own < 0 else own
+        number = -1 if guard is None else guard - self._bounds.first_further
+        return None if number < 0 else number
 
     def passed(self, step: DenseStep, end: float) -> EndReason | None:
         """Count the work, and look how far away it is."""

@@ -74,11 +74,13 @@ def series_code(count: int) -> SeriesCode:
         for i in states:
             products = " + ".join(f"{a[i][j]}*{c[k - 1][j]}" for j in states)
             lines.append(f"{c[k][i]} = {products} + {b[i]}" if k == 1 else f"{c[k][i]} = ({products})*{1 / k!r}")
-    sizes = [", ".join(f"abs({own})" for k in chosen for own in c[k]) for chosen in ((0, 1), (DEGREE - 1,), (DEGREE,))]
-    series = listed(f"({listed(own[i] for own in c)})" for i in states)
-    lines.append(f"return ({series}), {', '.join(f'max({own}, 0.0)' for own in sizes)}")
+    sizes = [
+        ", ".join(f"abs({name})" for k in chosen for name in c[k]) for chosen in ((0, 1), (DEGREE - 1,), (DEGREE,))
+    ]
+    series = listed(f"({listed(coefficients[i] for coefficients in c)})" for i in states)
+    lines.append(f"return ({series}), {', '.join(f'max({size}, 0.0)' for size in sizes)}")
     powers = names("c", DEGREE + 1)
-    value = "".join(f"{own} + s*(" for own in powers[:-1]) + powers[-1] + ")" * DEGREE
+    value = "".join(f"{name} + s*(" for name in powers[:-1]) + powers[-1] + ")" * DEGREE
     begun = "".join(map(listed, (*a, b, c[0])))
     return SeriesCode(compiled(begun, *lines), compiled("s, " + listed(powers), f"return {value}"))
 
@@ -178,7 +180,7 @@ def written_out(count: int) -> WrittenOut:
     end, states = len(DOP853.B), range(count)  # the stage at the end of the step
     x, y = listed(names("x", count)), listed(names("y", count))
     k = [listed(names(f"k{stage}_", count)) for stage in range(end + 1 + len(DOP853.A_EXTRA))]
-    stages = "".join(f"({own}), " for own in k[: end + 1])
+    stages = "".join(f"({name}), " for name in k[: end + 1])
 
     trial = [f"{k[stage]}= rates({_moved(DOP853.A[stage], count)})" for stage in range(1, end)]
     trial += [f"{y}= {_moved(DOP853.B, count)}", f"{k[end]}= rates({y})"]
@@ -188,7 +190,7 @@ def written_out(count: int) -> WrittenOut:
     squares = (" + ".join(f"{error}{s} * {error}{s}" for s in states) for error in ("third", "fifth"))
     trial += [f"return ({y}), ({stages}), {', '.join(squares)}"]
 
-    inner = [f"{own}= rates({_moved(row, count)})" for own, row in zip(k[end + 1 :], DOP853.A_EXTRA, strict=True)]
+    inner = [f"{name}= rates({_moved(row, count)})" for name, row in zip(k[end + 1 :], DOP853.A_EXTRA, strict=True)]
     for s in states:
         inner += [f"a{s} = y{s} - x{s}", f"b{s} = h * k0_{s} - a{s}", f"c{s} = 2 * a{s} - h * (k{end}_{s} + k0_{s})"]
     highest = [listed(f"h * ({_sum(row, s)})" for row in DOP853.D) for s in states]
