@@ -148,20 +148,20 @@ def _form(shape: tuple[Fraction, Fraction]) -> list[Fraction]:
     return [1 + a, b, 1 - a]
 
 
-def _bend(own: QuadraticDecrease, level: Number) -> Fraction:
+def _bend(falling: QuadraticDecrease, level: Number) -> Fraction:
     """At least ``rho sqrt(level)/sqrt(1 - rho^2)``, which bounds what the rotation adds."""
-    rho = own.eccentricity
+    rho = falling.eccentricity
     return short_above(rational_above((enclosure(level) * rational_ball(rho * rho / (1 - rho * rho))).sqrt()))
 
 
-def _arrival(found: QuadraticCertificate, own: QuadraticDecrease, squared_radius: Number) -> Record | None:
+def _arrival(found: QuadraticCertificate, falling: QuadraticDecrease, squared_radius: Number) -> Record | None:
     """Speeds at which sqrt(W) falls, step by step, and the rate that follows; None where one is not positive."""
-    rho = own.eccentricity
+    rho = falling.eccentricity
     level = squared_radius * (1 + rho)
-    bend = _bend(own, level)
+    bend = _bend(falling, level)
     slopes = []
     for corner, twist in _corner_twists(found):
-        image = shaped(own.shape, corner)
+        image = shaped(falling.shape, corner)
         down, size = -dot(image, twist.velocity), dot(image, corner)
         slopes.append((enclosure(down) / enclosure(size).sqrt(), enclosure(abs(twist.omega))))
     speeds = []
@@ -172,7 +172,7 @@ def _arrival(found: QuadraticCertificate, own: QuadraticDecrease, squared_radius
         speeds.append(short_below(slowest))
     mean = sum((1 / speed for speed in speeds), Fraction(0)) / STEPS
     rate = short_below(rational_below(1 / (rational_ball(mean) * rational_ball(1 + rho).sqrt())))
-    return {"form": _form(own.shape), "level": level, "bend": bend, "speeds": speeds, "rate": rate}
+    return {"form": _form(falling.shape), "level": level, "bend": bend, "speeds": speeds, "rate": rate}
 
 
 def _corner_twists(found: QuadraticCertificate) -> Iterator[tuple[Point, Twist]]:
@@ -268,9 +268,9 @@ def _with_tolerances(scene: Scene, document: Record) -> Record:
     statement, evidence = document["statement"], document["evidence"]
     for bound in certified_bounds(scene):
         about = {**statement["subject"], "tolerances": tolerance_record(scene)}
-        own = {"subject": about, "claims": [*statement["claims"], {"tolerances": vars(bound)}]}
+        extended = {"subject": about, "claims": [*statement["claims"], {"tolerances": vars(bound)}]}
         entry = {"theorem": "tolerances", "hypotheses": vars(bound), "proofs": {}}
-        certificate = encode({**document, "statement": own, "evidence": [*evidence, entry]})
+        certificate = encode({**document, "statement": extended, "evidence": [*evidence, entry]})
         if _shows_the_last(certificate):
             return certificate
     return encode(document)
@@ -300,13 +300,13 @@ def certificate_text(certificate: Record) -> str:
 
 def _lines(value: Any, levels: int) -> str:
     """A value, of which the first levels of containers that hold others have an item to a line."""
-    own = list(value.values()) if isinstance(value, dict) else value
-    if not levels or not isinstance(own, list) or not any(isinstance(item, list | dict) for item in own):
+    items = list(value.values()) if isinstance(value, dict) else value
+    if not levels or not isinstance(items, list) or not any(isinstance(item, list | dict) for item in items):
         return json.dumps(value)
     if isinstance(value, dict):
         parts = [f"{json.dumps(key)}: {_lines(item, levels - 1)}" for key, item in value.items()]
         return "{\n" + ",\n".join(parts) + "\n}"
-    parts = [_lines(item, levels - 1) if "theorem" in item else json.dumps(item) for item in own]
+    parts = [_lines(item, levels - 1) if "theorem" in item else json.dumps(item) for item in items]
     return "[\n" + ",\n".join(f"  {part}" for part in parts) + "\n]"
 
 
@@ -369,7 +369,7 @@ def _bounds(partition: Partition, results: Mapping[str, Any], disc: CertifiedDis
         "ellipse": ellipse_record(translation, rotation),
         "law": law_record(results["feedback"]),
     }
-    return {name: own for name, own in found.items() if own is not None}
+    return {name: bound for name, bound in found.items() if bound is not None}
 
 
 def _claims(
@@ -403,12 +403,12 @@ def _bound_claims(disc: CertifiedDisc, bounds: Record) -> Iterator[Record]:
         if name in bounds:
             yield {claim: {"squared_radius": disc.squared_radius, key: bounds[name]}}
     if "ellipse" in bounds:
-        own = bounds["ellipse"]
-        start = {"squared_radius": own["squared_radius"]}
-        yield {"swing": {**start, "squared_swing": own["squared_swing"]}}
-        yield {"arrival": {**start, "rate": own["arrival"]["rate"]}}
-        if "turn" in own:
-            yield {"turning": {**start, "per_distance": own["turn"]}}
+        ellipse = bounds["ellipse"]
+        start = {"squared_radius": ellipse["squared_radius"]}
+        yield {"swing": {**start, "squared_swing": ellipse["squared_swing"]}}
+        yield {"arrival": {**start, "rate": ellipse["arrival"]["rate"]}}
+        if "turn" in ellipse:
+            yield {"turning": {**start, "per_distance": ellipse["turn"]}}
     if "law" in bounds:
         yield {"feedback rate": {key: bounds["law"][key] for key in ("form", "weight", "kappa", "squared_reach")}}
 
@@ -581,22 +581,22 @@ def find_difference(certificate: Record, scene: Scene) -> str:
         certificate: parsed JSON of an array that the checker accepted.
         scene: the array, with the rule, the point and the square that were checked.
     """
-    own, subject = scene_record(alone(scene)), certificate["statement"]["subject"]
-    if subject["rule"] != own["rule"]:
+    stated, subject = scene_record(alone(scene)), certificate["statement"]["subject"]
+    if subject["rule"] != stated["rule"]:
         return "rule"
-    names = _renamed_generators(own["field"], subject["field"])
+    names = _renamed_generators(stated["field"], subject["field"])
     for key in ("at", "radius", "loads"):
-        if _value(subject[key], None) != _value(own[key], names):
+        if _value(subject[key], None) != _value(stated[key], names):
             return key
-    if len(subject["wheels"]) != len(own["wheels"]):
-        return f"number of wheels ({len(subject['wheels'])} instead of {len(own['wheels'])})"
-    for number, (theirs, ours) in enumerate(zip(subject["wheels"], own["wheels"], strict=True), 1):
+    if len(subject["wheels"]) != len(stated["wheels"]):
+        return f"number of wheels ({len(subject['wheels'])} instead of {len(stated['wheels'])})"
+    for number, (theirs, ours) in enumerate(zip(subject["wheels"], stated["wheels"], strict=True), 1):
         if set(theirs) != set(ours):
             return f"axis of wheel {number}"
         for key in ours:
             if _value(theirs[key], None) != _value(ours[key], names):
                 return f"{key} of wheel {number}"
-    return "" if _has_tolerances(subject.get("tolerances"), own["tolerances"], names) else "tolerance"
+    return "" if _has_tolerances(subject.get("tolerances"), stated["tolerances"], names) else "tolerance"
 
 
 def not_followed(certificate: Record, scene: Scene) -> Iterator[str]:
@@ -615,18 +615,18 @@ def not_followed(certificate: Record, scene: Scene) -> Iterator[str]:
         yield "how late and wrong the pose is; the feedback rate is that of the law with the exact pose"
 
 
-def _has_tolerances(theirs: Record | None, own: Record | None, names: list[int]) -> bool:
+def _has_tolerances(theirs: Record | None, stated: Record | None, names: list[int]) -> bool:
     """Whether a certificate speaks of a scene's tolerances, or of none."""
     if theirs is None:
         return True
-    return own is not None and all(_value(theirs[name], None) == _value(own[name], names) for name in own)
+    return stated is not None and all(_value(theirs[name], None) == _value(stated[name], names) for name in stated)
 
 
-def _renamed_generators(own: list[Record], theirs: list[Record]) -> list[int]:
+def _renamed_generators(stated: list[Record], theirs: list[Record]) -> list[int]:
     """The number of each of the scene's generators in the certificate."""
     polynomials = [_value(entry["polynomial"], None) for entry in theirs]
     names: list[int] = []
-    for entry in own:
+    for entry in stated:
         polynomial = _value(entry["polynomial"], names)
         names.append(polynomials.index(polynomial) if polynomial in polynomials else UNKNOWN)
     return names

@@ -22,7 +22,7 @@ def decide_clauses(work: Workspace, left_out: str = "") -> Mapping[str, ClauseRe
     Raises:
         RefusalError: where the motion is not determined.
     """
-    for clause in (own for own in CLAUSES if own.name != left_out):
+    for clause in (each for each in CLAUSES if each.name != left_out):
         with work.timed(clause.name):
             work.earlier[clause.name] = clause.decided(work)
     return work.earlier

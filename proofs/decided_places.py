@@ -93,7 +93,7 @@ def decided_places(system: SwitchedSystem) -> tuple[EnclosedEquilibria, tuple[De
         with part_of(number, len(found.places), "places"):
             decided.append(_decided(system, place))
     _refuse_contradiction(system, found, decided)
-    left = [box for box in found.left if not any(own.attracts_all(box) for own in decided)]
+    left = [box for box in found.left if not any(place.attracts_all(box) for place in decided)]
     return replace(found, left=tuple(left)), tuple(decided)
 
 
@@ -115,12 +115,12 @@ def _decided(system: SwitchedSystem, place: EnclosedEquilibrium) -> DecidedPlace
 def _refuse_contradiction(system: SwitchedSystem, found: EnclosedEquilibria, decided: Sequence[DecidedPlace]) -> None:
     """Refuse a place that rests, and the end of a segment, if every start there is certified to come to another one."""
     centre = [c.ball() for c in system.check.equilibrium]
-    ends = [end for own in found.stretches for end in own.corners]
+    ends = [end for polytope in found.stretches for end in polytope.corners]
     resting = [tuple(x.ball() + c for x, c in zip(end, centre, strict=True)) for end in ends]
-    for own in decided:
-        others = (other.place.place for other in decided if other is not own)
-        for other in filter(own.attracts_all, (*others, *resting)):
-            here, there = (place_text([float(x) for x in place]) for place in (own.place.place, other))
+    for attractor in decided:
+        others = (other.place.place for other in decided if other is not attractor)
+        for other in filter(attractor.attracts_all, (*others, *resting)):
+            here, there = (place_text([float(x) for x in place]) for place in (attractor.place.place, other))
             certified = f"every start near {here}, as {there}, is certified to come to it"
             sides = certified, f"what starts at {there} may rest there"
             raise ContradictionError(system.name, Contradiction("region and place of rest", sides))

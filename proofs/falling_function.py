@@ -151,8 +151,8 @@ class FallingFunction:
                 is less than V at all points where it does not fall.
         """
         sought = self._on_border() if falls else [*self._on_border(), *self._where_it_rises()]
-        found = [(least(own), own, side) for own, side in sought]
-        (value, place), own, side = min(found, key=lambda entry: entry[0][0])
+        found = [(least(inequality), inequality, side) for inequality, side in sought]
+        (value, place), inequality, side = min(found, key=lambda entry: entry[0][0])
         if not 0 < value < np.inf:
             return None
         shares = (*([1 + SLACK] if side else []), *LEVEL_SHARES)
@@ -160,7 +160,7 @@ class FallingFunction:
         shown = first_shown(levels, lambda level: self._level_proofs(level, falls=falls))
         if shown is None:
             return None
-        return SublevelRegion(shown[0], *self._refuted(own, place, side), self.radius, falls, shown[1])
+        return SublevelRegion(shown[0], *self._refuted(inequality, place, side), self.radius, falls, shown[1])
 
     def _level_proofs(self, level: Fraction, *, falls: bool) -> Record | None:
         if not falls:
@@ -169,20 +169,23 @@ class FallingFunction:
 
     def first_rise(self) -> tuple[float, Floats]:
         """The least value of V where it does not fall, as floats see it, and where, in the displacement."""
-        value, place = min((least(own) for own, _ in self._where_it_rises()), key=lambda entry: entry[0])
+        value, place = min((least(inequality) for inequality, _ in self._where_it_rises()), key=lambda entry: entry[0])
         return value, np.array(place) * float(self.radius)
 
     def _on_border(self) -> list[tuple[Inequality, str]]:
         """V on each side of the cube, cell by cell."""
-        return [(own.inequalities[0], own.name.split()[-1]) for own in self._claims(Functions.show_border, Fraction(0))]
+        return [
+            (claim.inequalities[0], claim.name.split()[-1])
+            for claim in self._claims(Functions.show_border, Fraction(0))
+        ]
 
     def _where_it_rises(self) -> list[tuple[Inequality, str]]:
         """V on the parts of cells where it does not fall."""
         speed = 1 / as_fraction(rational(self.radius))
         return [
-            (Inequality(size.times(speed), {**own.guards, "rise": -own.value}), "")
-            for claim, own, size in self._with_sizes(DecayKind.EXPONENTIAL)
-            if not own.pushes
+            (Inequality(size.times(speed), {**inequality.guards, "rise": -inequality.value}), "")
+            for claim, inequality, size in self._with_sizes(DecayKind.EXPONENTIAL)
+            if not inequality.pushes
         ]
 
     def decay_rate(self, kinds: Iterable[DecayKind] = DecayKind) -> DecayRate | None:
@@ -235,7 +238,7 @@ class FallingFunction:
         except RejectedError:
             return None
         radius = as_fraction(rational(self.radius))
-        needed = math.sqrt(max(-least(own.inequalities[0])[0] for own in squares)) / radius
+        needed = math.sqrt(max(-least(claim.inequalities[0])[0] for claim in squares)) / radius
         if not math.isfinite(needed):
             return None
         gains = [gain_above(needed * float(share)) for share in GAIN_SHARES]
@@ -247,7 +250,7 @@ class FallingFunction:
     @property
     def degree(self) -> int:
         """That of V'."""
-        return max(own.value.degree for _, own, _ in self._with_sizes(DecayKind.EXPONENTIAL))
+        return max(inequality.value.degree for _, inequality, _ in self._with_sizes(DecayKind.EXPONENTIAL))
 
     # ---- claims ----------------------------------------------------------------------------------
 
@@ -269,12 +272,12 @@ class FallingFunction:
     def _evidence(self, claim: Claim) -> Record | None:
         """Of a claim, with the functions mu that are known of the one without a rate."""
         known = self.known.get(claim.name.removeprefix("rate "))
-        if known is None or known.mu is None or not any(own.value for own in claim.inequalities):
+        if known is None or known.mu is None or not any(inequality.value for inequality in claim.inequalities):
             outcome = decide_claim(claim, WORK if claim.field is None else WORK_ALONE)
             return outcome.evidence if isinstance(outcome, Proof) else None
         if len(known.mu) != len(mu_shapes([claim])):  # of an algebraic rate, whose claims have a higher degree
             return None
-        at_origin = claim.at_origin or any(own.value.at_origin for own in claim.inequalities)
+        at_origin = claim.at_origin or any(inequality.value.at_origin for inequality in claim.inequalities)
         shown = find(replace(claim, strict=True, at_origin=at_origin), Effort.HASTY, known.mu)
         return None if shown is None else shown.evidence
 
@@ -282,8 +285,8 @@ class FallingFunction:
 
     def _with_sizes(self, decay: DecayKind) -> Iterator[tuple[Claim, Inequality, Polynomial]]:
         """The inequalities about ``-V'`` with ``V^p``, times the half-width."""
-        own = self.conditions
-        falls = self._claims(partial(Functions.show_falls, prefix="rate ", shift=own.zero, strict=False))
+        conditions = self.conditions
+        falls = self._claims(partial(Functions.show_falls, prefix="rate ", shift=conditions.zero, strict=False))
         for claim, shifted in zip(falls, self.rate_claims(decay, Fraction(1)), strict=True):
             for inequality, other in zip(claim.inequalities, shifted.inequalities, strict=True):
                 yield claim, inequality, inequality.value - other.value
@@ -291,33 +294,33 @@ class FallingFunction:
     def _slowest(self, decay: DecayKind) -> Fraction:
         """The largest rate that many points allow; faces count where mu is known."""
         samples, searched = [np.zeros((2, 0))], []
-        for claim, own, size in self._with_sizes(decay):
+        for claim, inequality, size in self._with_sizes(decay):
             known, shapes = self.known.get(claim.name.removeprefix("rate ")), mu_shapes([claim])
             mu = () if known is None or known.mu is None else known.mu
             if claim.count and len(mu) >= len(shapes):
-                value = with_values(condition_of(claim, own, shapes), dict(enumerate(mu))).constant
-                points, ratio = kept(own, points_near(claim.count)), partial(ratios_at, value, terms_of(size))
+                value = with_values(condition_of(claim, inequality, shapes), dict(enumerate(mu))).constant
+                points, ratio = kept(inequality, points_near(claim.count)), partial(ratios_at, value, terms_of(size))
                 ratios = ratio(points)
                 samples.append(np.array([ratios, row_norms(points)])[:, np.isfinite(ratios)])
-                searched.append((float(ratios.min(initial=np.inf)), own, points, ratio))
+                searched.append((float(ratios.min(initial=np.inf)), inequality, points, ratio))
         found = slowest_ratio(*np.hstack(samples))
         if not found:
             return found
-        _, own, points, ratio = min(searched, key=lambda entry: entry[0])
-        return Fraction(max(least_near(own, points, ratio)[0], 0))
+        _, slowest, points, ratio = min(searched, key=lambda entry: entry[0])
+        return Fraction(max(least_near(slowest, points, ratio)[0], 0))
 
-    def _refuted(self, own: Inequality, place: Sequence[float], side: str) -> tuple[Fraction | None, Any]:
+    def _refuted(self, inequality: Inequality, place: Sequence[float], side: str) -> tuple[Fraction | None, Any]:
         """A level that a point refutes, and this point; None where floats miss the cell.
 
         Args:
-            own: V on a part of the cube.
+            inequality: V on a part of the cube.
             place: there.
             side: of the cube on whose border the part lies, as claims name it; empty where it does not.
         """
         for denominator, outward in FINE:
             exact = [fmpq(round(x * (1 + outward) * denominator), denominator) for x in place]
-            if all(sign(value_at(terms_of(guard), exact)) >= 0 for guard in own.guards.values()):
-                value = Fraction(float(value_at(terms_of(own.value), exact)))
+            if all(sign(value_at(terms_of(guard), exact)) >= 0 for guard in inequality.guards.values()):
+                value = Fraction(float(value_at(terms_of(inequality.value), exact)))
                 if side:
                     exact.insert(int(side[1:]), fmpq(1 if side[0] == "+" else -1))
                 return simple_below(value * (1 + 2 * WIDTH)), tuple(self.radius * x for x in exact)
@@ -376,8 +379,10 @@ def stated_function(
     """
     if radius is not None:
         exact_text(radius)
-    own = parse_piecewise(function.text, system.states)
-    return formula_in_names(own, system), stated_cells(system, radius, surfaces_of(system, own), irrational=True)
+    formula = parse_piecewise(function.text, system.states)
+    return formula_in_names(formula, system), stated_cells(
+        system, radius, surfaces_of(system, formula), irrational=True
+    )
 
 
 def growth_hypotheses(system: SwitchedSystem, function: ExaminedFunction) -> Record:

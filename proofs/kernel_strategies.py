@@ -415,8 +415,8 @@ def decide_linear(point: CheckedPoint) -> Finding | None:
     """A quadratic V of a linear system, where the scene names none."""
     system = point.system
     matrix = linear_matrix(system) if system.check.is_default else None
-    for own in () if matrix is None else short_forms(matrix):
-        function = _examined(point, parse_piecewise(quadratic_text(own.tolist(), system.states), system.states))
+    for form in () if matrix is None else short_forms(matrix):
+        function = _examined(point, parse_piecewise(quadratic_text(form.tolist(), system.states), system.states))
         if function is not None and function.decrease is Decrease.STRICT:
             return falling_finding(function)
     return None
@@ -446,20 +446,20 @@ def short_forms(matrix: Floats) -> Iterator[NDArray[np.int64]]:
     from nonsmooth.proofs.kernel.first_terms import lyapunov_solution
 
     scaled, identity = matrix / slowest, np.eye(len(matrix))  # whatever the unit of time
-    solved = [own for mu in SHARES if (own := lyapunov_solution(scaled, -mu, identity)) is not None]
-    served = chain.from_iterable(_served(scaled, solved, *own) for own in KEPT_SHARES)
-    for _, own in zip(range(MOST_PROPOSALS), served, strict=False):
-        yield own.astype(np.int64)
+    solved = [form for mu in SHARES if (form := lyapunov_solution(scaled, -mu, identity)) is not None]
+    served = chain.from_iterable(_served(scaled, solved, *shares) for shares in KEPT_SHARES)
+    for _, form in zip(range(MOST_PROPOSALS), served, strict=False):
+        yield form.astype(np.int64)
 
 
 def _served(
     matrix: Floats, solved: Sequence[Floats], multiples: Sequence[int], kept: Sequence[float]
 ) -> Iterator[Floats]:
     """Rounded forms whose rates are at least a share of the best one, 2 in the given units, for each share in turn."""
-    forms = [2 * np.eye(len(matrix)), *(_rounded(own, multiple) for multiple in multiples for own in solved)]
-    rates = [rate_of(own, matrix) / 2 for own in forms]
+    forms = [2 * np.eye(len(matrix)), *(_rounded(form, multiple) for multiple in multiples for form in solved)]
+    rates = [rate_of(form, matrix) / 2 for form in forms]
     for share in kept:
-        yield from (own for own, rate in zip(forms, rates, strict=True) if rate >= share and rate > 0)
+        yield from (form for form, rate in zip(forms, rates, strict=True) if rate >= share and rate > 0)
 
 
 def _rounded(solution: Floats, multiple: int) -> Floats:

@@ -82,11 +82,11 @@ def find_larger_region(system: SwitchedSystem, degree: int = 4) -> LargerRegion 
     if degree not in DEGREES:
         raise ValueError(f"degree: required a whole number from {DEGREES[0]} to {DEGREES[-1]}, received {degree}")
     require_plane(system)
-    basis = tuple(own for k in range(2, degree + 1) for own in monomials(system.states, k))
+    basis = tuple(monomial for k in range(2, degree + 1) for monomial in monomials(system.states, k))
     try:
         rational = with_known_numbers(system)
         stated = stated_cells(rational, rational.check.radius)
-        conditions = functions_on(rational, stated, [own.text for own in basis])
+        conditions = functions_on(rational, stated, [monomial.text for monomial in basis])
     except BeyondReachError:
         return None
     outline = _outline(stated.cells)
@@ -240,7 +240,7 @@ def _solved(conditions: Functions, inside: Floats, outline: _Outline) -> tuple[F
         near = sampled(whole_domain(inclusion), [cell], inside / radius)
         ask(slopes_along(near, functions) / radius, 0, -MARGIN * squared_norms(near.points) * radius**2)
     values = [
-        np.column_stack([float_values(own.terms, points / radius) for own in functions])
+        np.column_stack([float_values(term.terms, points / radius) for term in functions])
         for points in (inside, outline.rim, outline.outside)
     ]
     ask(-values[0], 0, -MARGIN * squared_norms(inside))

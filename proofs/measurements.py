@@ -123,7 +123,7 @@ class ArrayVerdict:
         self, case: str, parameter: str, other: ArrayVerdict, name: str, slower: Fraction = Fraction(1)
     ) -> ResultRow:
         """Compared with another verdict, whose rates of rotation are multiplied by a factor first."""
-        apart = [_difference(own, wanted * slower) for own, wanted in zip(self.drift, other.drift, strict=False)]
+        apart = [_difference(rate, wanted * slower) for rate, wanted in zip(self.drift, other.drift, strict=False)]
         if (
             self.worst is not None
             and other.worst is not None
@@ -172,9 +172,9 @@ def _is_certified(result: CellCheck | SmoothCheck) -> bool:
     return True
 
 
-def _difference(own: Any, wanted: Any) -> float:
+def _difference(rate: Any, wanted: Any) -> float:
     """Relative; zero iff equal exactly (extreme scenes share the field of their scene)."""
-    return 0.0 if own == wanted else abs(float(own) - float(wanted)) / (abs(float(wanted)) or 1.0)
+    return 0.0 if rate == wanted else abs(float(rate) - float(wanted)) / (abs(float(wanted)) or 1.0)
 
 
 ARRAY_VERDICTS = Case("verdicts", array=array_verdict_rows)
@@ -184,11 +184,15 @@ ARRAY_VERDICTS = Case("verdicts", array=array_verdict_rows)
 
 def system_verdict_rows(scene: SwitchedSystem) -> Rows:
     """Scales of state and time, then ratios of the two rates."""
-    own, criterion = decide_system(scene), "the verdict of the system in its own units, with evidence that verifies"
+    stated, criterion = decide_system(scene), "the verdict of the system in its own units, with evidence that verifies"
     for case, quantity in (("state scale", "length"), ("time scale", "speed")):
         for power in POWERS:
             found = decide_system(scaled_system(scene, **{quantity: Fraction(10) ** power}))
-            same = (found.verdict, found.method, found.equilibrium) == (own.verdict, own.method, own.equilibrium)
+            same = (found.verdict, found.method, found.equilibrium) == (
+                stated.verdict,
+                stated.method,
+                stated.equilibrium,
+            )
             ok, error = same and found.check(), 0.0 if same else None
             yield ResultRow(case, f"1e{power}", str(found.verdict), error, ok, criterion)
     for parameter, ratio in RATIOS.items():

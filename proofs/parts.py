@@ -94,8 +94,8 @@ def cascade(system: SwitchedSystem, *, jumping: bool = False) -> Iterator[Cascad
     for driving in sorted(dict.fromkeys(tuple(filter(drivers[name].__contains__, at)) for name in at), key=len):
         states = tuple(name for name in driving if drivers[name] == set(driving))
         others = {name: f"({value})" for name, value in at.items() if name not in states}
-        own = [_under_jumps(tree) for name, tree in _trees(system) if name in states]
-        jumps = any(names & others.keys() for names in own)
+        names_of_sides = [_under_jumps(tree) for name, tree in _trees(system) if name in states]
+        jumps = any(names & others.keys() for names in names_of_sides)
         yield CascadeBlock(part_of(system, states, others), is_driven=states != driving, jumps=jumps)
 
 
@@ -175,8 +175,8 @@ def _solved(system: SwitchedSystem, surface: Polynomial, k: int) -> str:
     rest = (variable(count, k, slope) - surface).times(1 / slope)
     places = list(zip(system.states, map(str, system.check.equilibrium), strict=True))
     away = {name: f"({name} - ({value}))" for name, value in places if value != "0"}
-    text, (_, own) = str(with_parameters(formula_text(rest, system.states), away)), places[k]
-    return f"({text})" if own == "0" else f"({own} + {text})"
+    text, (_, value) = str(with_parameters(formula_text(rest, system.states), away)), places[k]
+    return f"({text})" if value == "0" else f"({value} + {text})"
 
 
 def names_of(states: Sequence[str]) -> str:

@@ -60,11 +60,11 @@ class FieldInBalls:
         return [rate([*place, *waves]) for rate in self.stated.rates]
 
 
-def cell_equations(own: FieldInBalls) -> Map:
+def cell_equations(field: FieldInBalls) -> Map:
     """``f = 0``."""
 
     def at(z: arb_mat) -> tuple[arb_mat, arb_mat]:
-        rates, slopes = own.at(z.entries())
+        rates, slopes = field.at(z.entries())
         return arb_mat([[rate] for rate in rates]), arb_mat(slopes)
 
     return at
@@ -79,8 +79,8 @@ def sliding_equations(first: FieldInBalls, second: FieldInBalls, surface: BallPo
         s, *normal = map(arb, surface(x))
         values = [[b + share * (a - b)] for a, b in zip(f, g, strict=True)]
         rows = [
-            [*(q + share * (p - q) for p, q in zip(own, other, strict=True)), a - b]
-            for own, other, a, b in zip(f_slopes, g_slopes, f, g, strict=True)
+            [*(q + share * (p - q) for p, q in zip(slopes, other, strict=True)), a - b]
+            for slopes, other, a, b in zip(f_slopes, g_slopes, f, g, strict=True)
         ]
         return arb_mat([*values, [s]]), arb_mat([*rows, [*normal, arb(0)]])
 
@@ -98,7 +98,7 @@ def on_border(around: Sequence[FieldInBalls], surface: BallPolynomials, box: Box
         if not at_zero.overlaps(x[k]):
             return None
         x[k] = x[k].intersection(at_zero)
-    first, second = (in_direction(normal, own.at(x)[0]) for own in around)
+    first, second = (in_direction(normal, field.at(x)[0]) for field in around)
     if not (second - first).contains(0):
         needed = second / (second - first)
         if not needed.overlaps(share):
@@ -111,7 +111,7 @@ def corner_equations(first: BallPolynomials, second: BallPolynomials) -> Map:
     """``s = t = 0``."""
 
     def at(z: arb_mat) -> tuple[arb_mat, arb_mat]:
-        (s, *s_slopes), (t, *t_slopes) = (list(map(arb, own(z.entries()))) for own in (first, second))
+        (s, *s_slopes), (t, *t_slopes) = (list(map(arb, polynomial(z.entries()))) for polynomial in (first, second))
         return arb_mat([[s], [t]]), arb_mat([s_slopes, t_slopes])
 
     return at

@@ -130,8 +130,8 @@ def rest_places(system: SwitchedSystem) -> EnclosedEquilibria:
     if search.open:
         search.look_where_surfaces_meet()
     search.look_in_clusters()
-    alone = (own for own in search.found if not search.is_on_polytope(own))
-    found = sorted(alone, key=lambda own: sum(float(c) ** 2 for c in search.displaced(own.place)))
+    alone = (place for place in search.found if not search.is_on_polytope(place))
+    found = sorted(alone, key=lambda place: sum(float(c) ** 2 for c in search.displaced(place.place)))
     radius = float(system.check.radius)
     left = [box for box in search.left if not (_is_small(radius, box) and search.is_at_end(box, ENDS))]
     return EnclosedEquilibria(tuple(found), tuple(joined(search.polytopes)), tuple(_joined_boxes(left, radius)))
@@ -164,7 +164,8 @@ class _Search:
         self.surfaces = [surface.composed(moved) for surface in stated]
         self.names = [str(surface) for surface in stated]
         self._with_slopes = [
-            BallPolynomials([own, *(own.derivative(name) for name in system.states)]) for own in self.surfaces
+            BallPolynomials([surface, *(surface.derivative(name) for name in system.states)])
+            for surface in self.surfaces
         ]
         self._fields: dict[tuple[int, ...], FieldInBalls] = {}
         self.found: list[EnclosedEquilibrium] = []
@@ -178,21 +179,21 @@ class _Search:
 
     def stated(self, x: Sequence[arb]) -> tuple[arb, ...]:
         """A displacement as coordinates of the states."""
-        return tuple(own + c.ball() for own, c in zip(x, self.centre, strict=True))
+        return tuple(coordinate + c.ball() for coordinate, c in zip(x, self.centre, strict=True))
 
     def is_at_end(self, place: Sequence[arb], room: float) -> bool:
         """Whether a box may hold the corner of a polytope, or be as near to it as a share of the cube."""
         near = self.radius.ball() * room * UNIT
         ends = [end for part in self.polytopes for end in part.corners]
-        boxes = [self.stated([own.ball() + near for own in end]) for end in ends]
+        boxes = [self.stated([coordinate.ball() + near for coordinate in end]) for end in ends]
         return any(overlap(box, place) for box in boxes)
 
-    def is_on_polytope(self, own: EnclosedEquilibrium) -> bool:
+    def is_on_polytope(self, place: EnclosedEquilibrium) -> bool:
         """Whether a place of rest is one of a polytope; where it is not exact, whether it may be a corner."""
-        if own.exact is None:
-            return self.is_at_end(own.place, 0.0)
-        moved = [a - c for a, c in zip(own.exact, self.centre, strict=True)]
-        return any(part.holds(moved) for part in self.polytopes) or self.is_at_end(own.place, 0.0)
+        if place.exact is None:
+            return self.is_at_end(place.place, 0.0)
+        moved = [a - c for a, c in zip(place.exact, self.centre, strict=True)]
+        return any(part.holds(moved) for part in self.polytopes) or self.is_at_end(place.place, 0.0)
 
     def field(self, signs: tuple[int, ...]) -> FieldInBalls:
         """The field where the surfaces have these signs."""
@@ -215,7 +216,7 @@ class _Search:
         for number, sides in enumerate(patterns):
             tell_count(number, len(patterns), "cells")
             signs = dict(zip(others, sides, strict=True))
-            around = [self._field_of(signs | dict(zip(chosen, own, strict=True))) for own in self._sides(chosen)]
+            around = [self._field_of(signs | dict(zip(chosen, side, strict=True))) for side in self._sides(chosen)]
             if (chosen and self._is_no_border(chosen, around)) or self._is_told(chosen, signs, around):
                 continue
             if len(chosen) > 1 and not self.system.is_planar:
@@ -232,7 +233,7 @@ class _Search:
                 equations = corner_equations(*(self._with_slopes[k] for k in chosen))
             narrow = partial(on_border, around, self._with_slopes[chosen[0]]) if len(chosen) == 1 else list
             zeros = all_zeros(equations, guards, box, narrow, self.count)
-            self.left += [self.stated(own[: self.count]) for own in zeros.left]
+            self.left += [self.stated(zero_box[: self.count]) for zero_box in zeros.left]
             for zero in zeros.found:
                 self._note(chosen, signs, around, zero)
 
@@ -246,9 +247,9 @@ class _Search:
         while waiting:
             box, looked = waiting.popleft(), looked + 1
             signs = [_sign(self.value(k, box)) for k in range(len(self.surfaces))]
-            if not any(self._may_be_on(signs, *own) for own in self.open):
+            if not any(self._may_be_on(signs, *surfaces) for surfaces in self.open):
                 continue
-            patterns = product(*((own,) if own else (1, -1) for own in signs))
+            patterns = product(*((sign,) if sign else (1, -1) for sign in signs))
             if _lead_one_way([self.field(pattern).at(box)[0] for pattern in patterns]):
                 continue
             if looked > MOST_BOXES or float(box[0].rad()) < FINEST * float(self.radius):
@@ -265,13 +266,13 @@ class _Search:
         """Note simple places that rest in small clusters of boxes that are left, as where zeros are not simple."""
         for hull in filter(partial(_is_small, float(self.radius)), _clusters(self.left)):
             x = self.displaced(hull)
-            simple = [self._simple(own, c) for own, c in zip(x, self.centre, strict=True)]
-            exact = tuple(own for own in simple if own is not None)
+            simple = [self._simple(coordinate, c) for coordinate, c in zip(x, self.centre, strict=True)]
+            exact = tuple(number for number in simple if number is not None)
             if len(exact) < self.count:
                 continue
             on = [k for k, surface in enumerate(self.surfaces) if not surface(exact)]
             kind = RestKind.CORNER if len(on) > 1 else RestKind.BOUNDARY if on else RestKind.CELL
-            place = self._place([own.ball() for own in exact], exact, kind, on)
+            place = self._place([number.ball() for number in exact], exact, kind, on)
             moved = at_place(self.system, place)
             if moved is not None and checked_point(moved).equilibrium is Equilibrium.HOLDS:
                 self._add(place)
@@ -288,9 +289,10 @@ class _Search:
 
         What rests there rests in a closed cell then.
         """
-        first, *others = (own.stated for own in around)
+        first, *others = (field.stated for field in around)
         return all(
-            own == first or (len(chosen) == 1 and _meet_on(first, own, self.surfaces[chosen[0]])) for own in others
+            rates == first or (len(chosen) == 1 and _meet_on(first, rates, self.surfaces[chosen[0]]))
+            for rates in others
         )
 
     def _is_told(self, chosen: tuple[int, ...], signs: Mapping[int, int], around: Sequence[FieldInBalls]) -> bool:
@@ -300,13 +302,13 @@ class _Search:
             return never_meet(planes)  # where two lines meet there may be others: corners are looked at one by one
         if len(chosen) == 1 and self._rests_along(chosen[0], around):
             return True
-        fields, guards = [own.stated for own in around], [self.surfaces[k] * side for k, side in signs.items()]
+        fields, guards = [field.stated for field in around], [self.surfaces[k] * side for k, side in signs.items()]
         found = resting_polytopes(fields, planes, guards, self.radius)
-        for own in found or ():
-            if own.dimension:
-                self.polytopes.append(own)
+        for polytope in found or ():
+            if polytope.dimension:
+                self.polytopes.append(polytope)
                 continue
-            (place,), x = own.corners, [number.ball() for number in own.corners[0]]
+            (place,), x = polytope.corners, [number.ball() for number in polytope.corners[0]]
             if len(chosen) > 1:
                 on = [k for k, surface in enumerate(self.surfaces) if not surface(place)]
                 self._add(self._place(x, place, RestKind.CORNER, on))
@@ -318,11 +320,11 @@ class _Search:
         """Whether both fields are parallel all along a line in the plane, and stretches say where they are opposed."""
         if not self._borders or any(part.kind is BorderKind.UNDECIDED for part in self._borders):
             return False
-        surface, fields = self.surfaces[k], [own.stated for own in around]
+        surface, fields = self.surfaces[k], [field.stated for field in around]
         if _along_line(_cross(*fields), surface):
             return False
         a, b = (surface.derivative(name).constant_value or 0 for name in surface.variables)
-        return all(_along_line(own.rates[0] * a + own.rates[1] * b, surface) for own in fields)
+        return all(_along_line(field.rates[0] * a + field.rates[1] * b, surface) for field in fields)
 
     @cached_property
     def _borders(self) -> tuple[BorderPart, ...]:
@@ -347,8 +349,8 @@ class _Search:
     ) -> None:
         """Take a zero for the place of rest that it is; where that is not known, its box is left."""
         x, share = zero[: self.count], zero[self.count :]
-        is_outside = any(bool(abs(own) > self.radius.ball()) for own in x)
-        if is_outside or any(bool(own < 0) or bool(own > 1) for own in share):
+        is_outside = any(bool(abs(coordinate) > self.radius.ball()) for coordinate in x)
+        if is_outside or any(bool(weight < 0) or bool(weight > 1) for weight in share):
             return
         exact = self._exact(chosen, around, x)
         on = list(chosen)
@@ -363,7 +365,7 @@ class _Search:
                 self.left.append(self.stated(x))
                 return
             on += [k] * (known == 0)
-        is_mixed = not any(own.contains(0) or own.contains(1) for own in share)
+        is_mixed = not any(weight.contains(0) or weight.contains(1) for weight in share)
         if len(chosen) < 2 and len(on) == len(chosen) and is_mixed:
             self._add(self._regular(chosen, around, x, share, exact))
             return
@@ -383,7 +385,7 @@ class _Search:
 
     def _add(self, place: EnclosedEquilibrium) -> None:
         """Note a place, unless it is known: on surfaces places are found from several sides."""
-        known = any(overlap(own.place, place.place) for own in self.found)
+        known = any(overlap(earlier.place, place.place) for earlier in self.found)
         if not known:
             self.found.append(place)
 
@@ -400,7 +402,7 @@ class _Search:
             matrix = around[0].at(x)[1]
             found = self._place(x, exact, RestKind.CELL, ())
             return replace(found, stability=_stability(matrix), shape=_shape(matrix))
-        (f, f_slopes), (g, g_slopes) = (own.at(x) for own in around)
+        (f, f_slopes), (g, g_slopes) = (field.at(x) for field in around)
         normal = list(map(arb, self._with_slopes[chosen[0]](x)[1:]))
         out_of_first = in_direction(normal, f)  # the first field acts where the surface is positive
         kind = RestKind.SLIDING if out_of_first < 0 else RestKind.REPELLING
@@ -408,12 +410,12 @@ class _Search:
         if not (out_of_first < 0 or out_of_first > 0) or across.contains(0):
             return self._place(x, exact, RestKind.BOUNDARY, chosen)
         mixed = [
-            [q + share[0] * (p - q) for p, q in zip(own, other, strict=True)]
-            for own, other in zip(f_slopes, g_slopes, strict=True)
+            [q + share[0] * (p - q) for p, q in zip(slopes, other, strict=True)]
+            for slopes, other in zip(f_slopes, g_slopes, strict=True)
         ]
         falls = [in_direction(normal, [row[j] for row in mixed]) / across for j in range(self.count)]
         sliding = [
-            [own[j] - (a - b) * falls[j] for j in range(self.count)] for own, a, b in zip(mixed, f, g, strict=True)
+            [row[j] - (a - b) * falls[j] for j in range(self.count)] for row, a, b in zip(mixed, f, g, strict=True)
         ]
         matrix = _on_surface(sliding, normal)
         stability = _stability(matrix) if kind is RestKind.SLIDING else Translation.UNSTABLE
@@ -424,11 +426,11 @@ class _Search:
         self, chosen: tuple[int, ...], around: Sequence[FieldInBalls], x: Sequence[arb]
     ) -> tuple[Number, ...] | None:
         """The displacement as numbers, where it is simple and shown to be that zero."""
-        numbers = [self._simple(own, c) for own, c in zip(x, self.centre, strict=True)]
-        place = tuple(own for own in numbers if own is not None)
+        numbers = [self._simple(coordinate, c) for coordinate, c in zip(x, self.centre, strict=True)]
+        place = tuple(number for number in numbers if number is not None)
         if len(place) < self.count or any(self.surfaces[k](place) for k in chosen):
             return None
-        values = [rates for own in around if (rates := own.exactly_at(place)) is not None]
+        values = [rates for field in around if (rates := field.exactly_at(place)) is not None]
         if len(values) < len(around):
             return None
         if len(chosen) > 1:
@@ -455,7 +457,7 @@ class _Search:
             return None if place.exact is None else True
         moved = at_place(self.system, place)
         if moved is None:
-            here = [tuple(own.at(x)[0]) for own in around]
+            here = [tuple(field.at(x)[0]) for field in around]
             return _balls_hold_zero(here) if len(place.surfaces) == 2 else None  # type: ignore[arg-type]
         found = checked_point(moved).equilibrium
         return None if found is Equilibrium.UNDECIDED else found is Equilibrium.HOLDS
@@ -486,13 +488,13 @@ def _clusters(boxes: Sequence[Sequence[arb]]) -> list[Box]:
     """The hulls of boxes that overlap each other."""
     hulls: list[Box] = []
     for box in boxes:
-        own, apart = list(box), list[Box]()
+        joined, apart = list(box), list[Box]()
         for hull in hulls:
-            if overlap(own, hull):
-                own = [a.union(b) for a, b in zip(own, hull, strict=True)]
+            if overlap(joined, hull):
+                joined = [a.union(b) for a, b in zip(joined, hull, strict=True)]
             else:
                 apart.append(hull)
-        hulls = [*apart, own]
+        hulls = [*apart, joined]
     return hulls
 
 
@@ -509,7 +511,7 @@ def _joined_boxes(boxes: Sequence[tuple[arb, ...]], radius: float) -> list[tuple
 
 def _share(around: Sequence[FieldInBalls], place: Sequence[Number]) -> list[arb]:
     """The l with ``l f + (1 - l) g = 0`` at a place, between two fields; none of one field."""
-    first, *others = (own.exactly_at(place) or [] for own in around)
+    first, *others = (field.exactly_at(place) or [] for field in around)
     gaps = [(g, g - f) for other in others for f, g in zip(first, other, strict=True) if f != g]
     return [(gaps[0][0] / gaps[0][1]).ball() if gaps else arb(1) / 2] if others else []
 
@@ -540,10 +542,10 @@ def _meet_on(first: StatedField, second: StatedField, plane: Polynomial) -> bool
 def _along_line(polynomial: Polynomial, line: Polynomial) -> Polynomial:
     """A polynomial in the plane, and in names of sines, at the points of a line, one after the other."""
     x, y = line.variables
-    own = line.field
-    zero = (own.zero, own.zero)
+    numbers = line.field
+    zero = (numbers.zero, numbers.zero)
     c, a, b = line(zero), line.derivative(x)(zero), line.derivative(y)(zero)
-    t, *names = Polynomial.coordinates(own, ("t", *polynomial.variables[2:]))
+    t, *names = Polynomial.coordinates(numbers, ("t", *polynomial.variables[2:]))
     size = (a * a + b * b).inverse()
     return polynomial.composed((t * -b - a * c * size, t * a - b * c * size, *names))
 
@@ -566,12 +568,12 @@ def _balls_hold_zero(vectors: Sequence[tuple[arb, arb]]) -> bool | None:
 
 def _lead_one_way(vectors: Sequence[Sequence[arb]]) -> bool:
     """Whether all vectors lead along one direction, that of the shortest mixture of their middles."""
-    middles = np.array([[float(entry) for entry in own] for own in vectors])
+    middles = np.array([[float(entry) for entry in vector] for vector in vectors])
     weights = shortest_mixture(np.zeros((len(middles), 1)), middles)
     if weights is None or not np.isfinite(middles).all():
         return False
     direction = [arb(entry) for entry in (weights @ middles).tolist()]
-    return all(bool(in_direction(direction, own) > 0) for own in vectors)
+    return all(bool(in_direction(direction, vector) > 0) for vector in vectors)
 
 
 def _on_surface(matrix: Sequence[Sequence[arb]], normal: Sequence[arb]) -> list[list[arb]]:

@@ -69,14 +69,14 @@ class RestPolytope:
 
     def holds(self, place: Sequence[Number]) -> bool:
         """Whether an exact place is in it; no place is known to be where numbers are irrational."""
-        known = [_rational(own) for own in (*self.corners, place)]
-        points = [own for own in known if own is not None]
+        known = [_rational(corner) for corner in (*self.corners, place)]
+        points = [corner for corner in known if corner is not None]
         return len(points) == len(known) and holds(points[:-1], points[-1])
 
 
 def _rational(place: Sequence[Number]) -> Vector | None:
-    found = [own.as_rational() for own in place]
-    known = [own for own in found if own is not None]
+    found = [coordinate.as_rational() for coordinate in place]
+    known = [number for number in found if number is not None]
     return known if len(known) == len(found) else None
 
 
@@ -93,27 +93,27 @@ def of_border(part: BorderPart) -> RestPolytope:
 
 
 def _ascending(places: Iterable[Place]) -> tuple[Place, ...]:
-    return tuple(sorted(places, key=lambda own: tuple(map(float, own))))
+    return tuple(sorted(places, key=lambda place: tuple(map(float, place))))
 
 
 def joined(parts: Iterable[RestPolytope]) -> list[RestPolytope]:
     """Polytopes, segments of one kind that go on where others end as one, and none that is a part of another one."""
     every = list(dict.fromkeys(parts))
-    waiting = [own for own in every if own.dimension == 1]
-    found = [own for own in every if own.dimension > 1]
+    waiting = [part for part in every if part.dimension == 1]
+    found = [part for part in every if part.dimension > 1]
     while waiting:
-        own = waiting.pop()
-        other = next((one for one in waiting if one.kind is own.kind and _meet(own, one)), None)
+        part = waiting.pop()
+        other = next((one for one in waiting if one.kind is part.kind and _meet(part, one)), None)
         if other is None:
-            found.append(own)
+            found.append(part)
         else:
             waiting.remove(other)
-            ends = _ascending(set(own.corners) ^ set(other.corners))
-            waiting.append(replace(own, corners=ends, is_exact=own.is_exact and other.is_exact))
+            ends = _ascending(set(part.corners) ^ set(other.corners))
+            waiting.append(replace(part, corners=ends, is_exact=part.is_exact and other.is_exact))
     kept: list[RestPolytope] = []
-    for own in sorted(found, key=lambda own: -own.dimension):
-        if not any(all(map(other.holds, own.corners)) for other in kept):
-            kept.append(own)
+    for part in sorted(found, key=lambda part: -part.dimension):
+        if not any(all(map(other.holds, part.corners)) for other in kept):
+            kept.append(part)
     return kept
 
 
@@ -142,8 +142,10 @@ def resting_polytopes(
         radius: half the side of the cube.
     """
     count, half = len(fields[0].rates), radius.as_rational()
-    on, beside, *beyond = (_affine(own, count) for own in (planes, guards, *(own.rates for own in fields)))
-    known = [own for own in beyond if own is not None]
+    on, beside, *beyond = (
+        _affine(polynomials, count) for polynomials in (planes, guards, *(field.rates for field in fields))
+    )
+    known = [rows for rows in beyond if rows is not None]
     if never_meet(planes):
         return []
     if on is None or beside is None or half is None or len(known) < len(beyond) or not are_independent(on):
@@ -166,9 +168,9 @@ def _affine(polynomials: Sequence[Polynomial], count: int) -> list[Affine] | Non
         count: of states.
     """
     rows = []
-    for own in polynomials:
+    for polynomial in polynomials:
         row = [fmpq(0)] * (count + 1)
-        for exponents, number in own.terms.items():
+        for exponents, number in polynomial.terms.items():
             known = number.as_rational()
             if sum(exponents) > 1 or any(exponents[count:]) or known is None:
                 return None
@@ -191,34 +193,34 @@ class _OnPlanes:
         self.planes, self.guards = planes, guards
         count = len(fields[0])
         self.space = solutions(planes, count) or ([fmpq(0)] * count, [])
-        self.fields = [[along(row, *self.space) for row in own] for own in fields]
+        self.fields = [[along(row, *self.space) for row in rows] for rows in fields]
         units = [[fmpq(j == k) for j in range(count)] for k in range(count)]
-        self.cube = [side for own in units for side in ([*own, half], [*(-a for a in own), half])]
+        self.cube = [side for unit in units for side in ([*unit, half], [*(-a for a in unit), half])]
 
     @property
     def differ_by_constants(self) -> bool:
         """Whether M is the same for all fields."""
-        slopes = [[row[:-1] for row in own] for own in self.fields]
-        return all(own == slopes[0] for own in slopes)
+        slopes = [[row[:-1] for row in rows] for rows in self.fields]
+        return all(slope == slopes[0] for slope in slopes)
 
     def polytopes(self, numbers: NumberField) -> list[RestPolytope] | None:
         """What rests; see :func:`resting_polytopes`."""
-        zero, sides = hull([[row[-1] for row in own] for own in self.fields])
+        zero, sides = hull([[row[-1] for row in rows] for rows in self.fields])
         stays = solutions(list(map(self._of_field, zero)), len(self.space[1]))
         if stays is None:
             return []
         shares = [along(self._of_field(row), *stays) for row in sides]
-        guards, cube = ([along(along(row, *self.space), *stays) for row in own] for own in (self.guards, self.cube))
+        guards, cube = ([along(along(row, *self.space), *stays) for row in rows] for rows in (self.guards, self.cube))
         inside = corners([*shares, *guards, *cube], len(stays[1]))
         if not inside:
             return []
-        further = [own for own, row in zip(self.guards, guards, strict=True) if _vanishes(row, inside)]
+        further = [guard for guard, row in zip(self.guards, guards, strict=True) if _vanishes(row, inside)]
         if not are_independent([*self.planes, *further]):
             return None
         kind = self._kind(len(further), any(_vanishes(row, inside) for row in shares))
-        places = sorted(_point_of(self.space, _point_of(stays, own)) for own in inside)
+        places = sorted(_point_of(self.space, _point_of(stays, point)) for point in inside)
         dimension = dimension_of(places)
-        stated = [tuple(map(numbers.rational, own)) for own in (around(places) if dimension == 2 else places)]
+        stated = [tuple(map(numbers.rational, place)) for place in (around(places) if dimension == 2 else places)]
         line = tuple(b - a for a, b in zip(stated[0], stated[-1], strict=True)) if dimension == 1 else ()
         return [RestPolytope(tuple(stated), kind, dimension, line)]
 
@@ -249,10 +251,10 @@ class _OnPlanes:
 
 
 def _vanishes(row: Affine, places: Sequence[Vector]) -> bool:
-    return not any(value(row, own) for own in places)
+    return not any(value(row, place) for place in places)
 
 
 def _point_of(space: tuple[Vector, list[Vector]], t: Sequence[fmpq]) -> Vector:
     """The point of an affine space with these coordinates."""
     point, directions = space
-    return [value([*(own[k] for own in directions), c], t) for k, c in enumerate(point)]
+    return [value([*(direction[k] for direction in directions), c], t) for k, c in enumerate(point)]

@@ -154,8 +154,8 @@ def _certificate_about(result: DecidedSystem) -> Record:
                 for polygon in result.reach.basin.never:
                     draft.add_entry(system, "outside", polygon)
             if result.reach.reshaped is not None and result.reach.basin is None:  # its mesh is about this region
-                own = result.reach.reshaped
-                draft.add_entry(system, "lyapunov", own.hypotheses, own.region.proofs)
+                reshaped = result.reach.reshaped
+                draft.add_entry(system, "lyapunov", reshaped.hypotheses, reshaped.region.proofs)
             draft.left_out += _beyond_words(result, draft)
             return _checked(result.scene, subject, draft)
     except BeyondReachError as error:
@@ -237,9 +237,9 @@ class Draft:
         """
         level = option.hypotheses["level"]
         for share in (Fraction(1), *([] if level is None else [NEARLY])):
-            own = None if level is None else str(Fraction(level) * share)
+            stated_level = None if level is None else str(Fraction(level) * share)
             try:
-                self.add_entry(system, "lyapunov", {**option.hypotheses, "level": own})
+                self.add_entry(system, "lyapunov", {**option.hypotheses, "level": stated_level})
             except NotShownError as error:
                 if share == 1:
                     self.left_out.append(f"{option.words}: {UNSHOWN}: {error}")
@@ -282,7 +282,7 @@ class Draft:
         """
         entry, statements = Search(known=known).entry(system, theorem, hypotheses)
         self.evidence.append(entry)
-        self.statements += [own for own in statements if own not in self.statements]
+        self.statements += [statement for statement in statements if statement not in self.statements]
 
 
 def _checked(system: SwitchedSystem, subject: Record, draft: Draft) -> Record:
@@ -331,15 +331,18 @@ def by_parts(parts: Parts, system: System) -> Draft:
     """
     results = list(parts.results)
     for k in parts.carried:  # by a V that does not increase, also where more is known of orbits
-        by_function = tuple(own for own in results[k].findings if own.theorem is Method.LYAPUNOV)
+        by_function = tuple(finding for finding in results[k].findings if finding.theorem is Method.LYAPUNOV)
         results[k] = replace(results[k], findings=by_function or results[k].findings)
     try:
-        known = [certificate_of(own) for own in results]
+        known = [certificate_of(part) for part in results]
     except NoCertificateError as error:
         raise NotShownError(f"a part has no certificate: {error}") from None
     entries = [
-        next((entry for entry in own["evidence"] if parts.carried and _has_rate(entry)), own["evidence"][0])
-        for own in known
+        next(
+            (entry for entry in certificate["evidence"] if parts.carried and _has_rate(entry)),
+            certificate["evidence"][0],
+        )
+        for certificate in known
     ]
     slide = parts.slide
     if slide is None:
@@ -348,8 +351,8 @@ def by_parts(parts: Parts, system: System) -> Draft:
             for result, entry in zip(parts.results, entries, strict=True)
         ]
         if roots_of(system):
-            for entry, own in zip(listed, known, strict=True):
-                entry.update(_roots_in(own["statement"]["subject"]))
+            for entry, certificate in zip(listed, known, strict=True):
+                entry.update(_roots_in(certificate["statement"]["subject"]))
         if len(listed) > 1 and parts.results[-1].verdict is Translation.UNSTABLE:
             listed[-1]["leaves"] = True
         for k in parts.carried:
@@ -460,26 +463,28 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
     region, far = reach.region, reach.region_rate
     if function is None and reach.rate is None:
         return
-    for domain in dict.fromkeys(own.domain for own in (reach.rate, reach.gain) if own is not None):
+    for domain in dict.fromkeys(bound.domain for bound in (reach.rate, reach.gain) if bound is not None):
         if function is not None and domain == function.stated_on:
             continue
-        own = _stated_on(result, domain)
+        hypotheses = _stated_on(result, domain)
         for option in _options_on(domain, reach, system):
-            yield Option(own | option.hypotheses, option.words)
+            yield Option(hypotheses | option.hypotheses, option.words)
     if region is None or function is None or region == reach.near:
         return
-    own = _stated_region(result, region)
-    yield Option(own, reached_words(region, system.states))
+    hypotheses = _stated_region(result, region)
+    yield Option(hypotheses, reached_words(region, system.states))
     if far is not None:
         rate = {"kind": "exponential", "kappa": exact_text(far.kappa)}
-        yield Option({**own, "level": exact_text(far.level), "rate": rate}, region_rate_words(far, system.states))
+        yield Option(
+            {**hypotheses, "level": exact_text(far.level), "rate": rate}, region_rate_words(far, system.states)
+        )
 
 
 def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
     """The hypotheses of theorem ``lyapunov`` with the level of the region: below it, if V falls nowhere else."""
     radius = result.scene.field(region.radius) if isinstance(region.radius, Fraction) else region.radius
-    own = _stated_on(result, Domain(radius))
-    return {**own, "below": not region.falls, "level": exact_text(region.level)}
+    hypotheses = _stated_on(result, Domain(radius))
+    return {**hypotheses, "below": not region.falls, "level": exact_text(region.level)}
 
 
 def _stated_on(result: DecidedSystem, domain: Domain) -> Record:
@@ -575,7 +580,7 @@ def _beyond_words(result: DecidedSystem, draft: Draft) -> Iterator[str]:
     """What a check says that the certificate has no words for, or no theorem."""
     reach, states = result.reach, result.scene.states
     kinds = {kind for statement in draft.statements for kind in statement}
-    if reach.near is not None and "attracts" not in kinds and not any("level" in own for own in draft.left_out):
+    if reach.near is not None and "attracts" not in kinds and not any("level" in line for line in draft.left_out):
         yield f"{reached_words(reach.near, states)}: another theorem shows the verdict"
     if reach.rate is not None and "rate" not in kinds and not draft.left_out:
         yield f"{rate_words(reach, states)}: another theorem shows the verdict"
@@ -637,8 +642,8 @@ def find_system_difference(file: str, system: SwitchedSystem) -> str:
     # Bounds of norms are stated themselves: nothing says of which order they are.
     orders = range(MOST_ORDER + 1) if Enclosed.NORMS in system.rewriting.encloses else (system.rewriting.order,)
     systems = (system if order == system.rewriting.order else with_order(system, order) for order in orders)
-    known = [own for asked in systems for own in subjects_of(asked)]
-    differences = [_difference(about(own), subject) or _of_others_alone(data, own) for own in known]
+    known = [stated for asked in systems for stated in subjects_of(asked)]
+    differences = [_difference(about(stated), subject) or _of_others_alone(data, stated) for stated in known]
     return differences[0] if all(differences) else ""
 
 
@@ -666,5 +671,5 @@ def _follows_one(evidence: Any) -> bool:
     )
 
 
-def _difference(own: Record, subject: Record) -> str:
-    return next((f"other {key}" for key in {**own, **subject} if own.get(key) != subject.get(key)), "")
+def _difference(stated: Record, subject: Record) -> str:
+    return next((f"other {key}" for key in {**stated, **subject} if stated.get(key) != subject.get(key)), "")

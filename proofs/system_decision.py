@@ -148,8 +148,8 @@ def _without_far_surfaces(system: SwitchedSystem) -> SwitchedSystem | None:
         return None
     surfaces = [s for member in system.members for s in member.surfaces(system.displaced(system.states))]
     share = 0
-    for own in surfaces:
-        sizes = {exponents: abs(float(c)) for exponents, c in own.terms.items()}
+    for surface in surfaces:
+        sizes = {exponents: abs(float(c)) for exponents, c in surface.terms.items()}
         centre = sizes.pop((0,) * len(system.states), 0.0)
         while centre and share < MOST_HALVINGS:
             radius = system.check.half_width / 2**share
@@ -170,9 +170,9 @@ def _may_hang_on_order(system: SwitchedSystem, finer: SwitchedSystem) -> bool:
     if system.check.radius > NARROW or not system.check.is_default:
         return True
     states = system.displaced(system.states)
-    for own, other in zip(system.members, finer.members, strict=True):
+    for coarse, other in zip(system.members, finer.members, strict=True):
         for side in (1, -1):
-            fields = (member.velocity(_answering(side), states) for member in (own, other))
+            fields = (member.velocity(_answering(side), states) for member in (coarse, other))
             for first, changed in zip(*fields, strict=True):
                 if any(_stands_alone(term, first.terms) for term in (changed - first).terms):
                     return True
@@ -185,8 +185,8 @@ def _answering(side: int) -> SignOf:
 
 def _stands_alone(term: Sequence[int], terms: Iterable[Sequence[int]]) -> bool:
     """Whether no other term of a lower degree has its states alone."""
-    lower = (own for own in terms if sum(own) < sum(term))
-    return not any(all(b for a, b in zip(own, term, strict=True) if a) for own in lower)
+    lower = (exponents for exponents in terms if sum(exponents) < sum(term))
+    return not any(all(b for a, b in zip(exponents, term, strict=True) if a) for exponents in lower)
 
 
 def _decided(system: SwitchedSystem) -> StabilityResult:
@@ -339,7 +339,7 @@ def _parts(blocks: Sequence[CascadeBlock], found: Sequence[StabilityResult]) -> 
 
     leaves = found[-1].verdict is Translation.UNSTABLE
     pairs = list(enumerate(zip(blocks, found, strict=False)))
-    rest = frozenset(k for k, (block, own) in pairs if block.is_driven and own.verdict is Translation.STABLE)
+    rest = frozenset(k for k, (block, part) in pairs if block.is_driven and part.verdict is Translation.STABLE)
     jumping = frozenset(k for k, (block, _) in pairs if block.jumps)
     return Parts(tuple(found), carried=frozenset() if leaves else rest, jumping=jumping)
 
@@ -432,11 +432,13 @@ def reach_of(point: CheckedPoint, found: Finding) -> Reach:
     from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
 
     reach = known if len(point.system.states) == 1 else _reach_by_function(point, found, known)
-    own = homogeneity_of(point.system)
+    homogeneity = homogeneity_of(point.system)
     in_time = reach.rate is not None and reach.rate.decay is DecayKind.FINITE
-    if own is None or (reach.everywhere and (in_time or not own.arrives)):
+    if homogeneity is None or (reach.everywhere and (in_time or not homogeneity.arrives)):
         return reach
-    return replace(reach, everywhere=True, in_finite_time=reach.in_finite_time or own.arrives, homogeneous=own)
+    return replace(
+        reach, everywhere=True, in_finite_time=reach.in_finite_time or homogeneity.arrives, homogeneous=homogeneity
+    )
 
 
 def _approach(system: SwitchedSystem, function: ExaminedFunction | None) -> Record | None:
@@ -463,8 +465,8 @@ def _reach_by_function(point: CheckedPoint, found: Finding, known: Reach) -> Rea
         from nonsmooth.proofs.kernel.whole_space import find_global_attraction
         from nonsmooth.proofs.systems.energies import energies
 
-        own = None if function is None else function.formula
-        entry = find_global_attraction(system, (own, system.check.lyapunov), energies(system))
+        formula = None if function is None else function.formula
+        entry = find_global_attraction(system, (formula, system.check.lyapunov), energies(system))
     everywhere, in_time = known.everywhere or entry is not None, known.in_finite_time or reach.in_finite_time
     reach = replace(reach, everywhere=everywhere, global_entry=entry, in_finite_time=in_time)
     return _with_rate(system, found.entry or entry, reach) if everywhere and function is None else reach
@@ -482,10 +484,10 @@ def _with_rate(system: SwitchedSystem, entry: Record | None, reach: Reach) -> Re
     examined = SpacePoint(system).examine(formula, system.check.radius, Effort.STRICT)
     if examined is None or examined.decrease is not Decrease.STRICT:
         return reach
-    own = _reach_of_function(system, examined)
-    if own.rate is None:
+    of_function = _reach_of_function(system, examined)
+    if of_function.rate is None:
         return reach
-    return replace(reach, near=own.near, rate=replace(own.rate, function=function))
+    return replace(reach, near=of_function.near, rate=replace(of_function.rate, function=function))
 
 
 @BEYOND_FLOATS
@@ -540,7 +542,7 @@ def _beyond(system: SwitchedSystem, function: PlaneFunction) -> FallingFunction 
 def _falling(system: SwitchedSystem, function: ExaminedFunction, radius: Number) -> FallingFunction | None:
     """The claims about V on a cube; None where no certificate can name the system, V or the cube."""
     if isinstance(function, ExaminedLyapunov):
-        found = {own.claim.name: own.found for own in function.asked if own.found is not None}
+        found = {question.claim.name: question.found for question in function.asked if question.found is not None}
         return FallingFunction(function.radius, function.conditions, found)
     return claims_about(system, function, radius)
 

@@ -71,9 +71,9 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
         words = approach_words(reach.approach, states)
         yield Fact("approach", _approach_record(reach.approach, words), words, row="approaches")
     if reach.homogeneous is not None:
-        own = reach.homogeneous
-        record = {"weights": Quantity(own.weights), "degree": Quantity(own.degree)}
-        yield Fact("homogeneous", record, str(own), row="homogeneous")
+        homogeneity = reach.homogeneous
+        record = {"weights": Quantity(homogeneity.weights), "degree": Quantity(homogeneity.degree)}
+        yield Fact("homogeneous", record, str(homogeneity), row="homogeneous")
     if reach.arrival is not None:
         words = arrival_words(reach.arrival, scene.stated_states)
         yield Fact("arrival_time", _arrival_record(reach.arrival), words, row="time of arrival")
@@ -234,10 +234,12 @@ def global_words(entry: Mapping[str, Any], states: Sequence[str]) -> str:
 
 def approach_words(entry: Mapping[str, Any], states: Sequence[str]) -> str:
     """Which solutions are certified to approach the set of equilibria, and by which V."""
-    own = entry["hypotheses"]
-    within, function = own["cells"]["within"], f"V = {one_line(own['function'])}"
+    hypotheses = entry["hypotheses"]
+    within, function = hypotheses["cells"]["within"], f"V = {one_line(hypotheses['function'])}"
     where = "near it" if within is None else cube_text(Fraction(within), states)
-    return f"{_approaching(own, where)} approaches the set of equilibria: where {function} is kept, nothing moves"
+    return (
+        f"{_approaching(hypotheses, where)} approaches the set of equilibria: where {function} is kept, nothing moves"
+    )
 
 
 def _approaching(hypotheses: Mapping[str, Any], cube: str) -> str:
@@ -249,9 +251,9 @@ def _approaching(hypotheses: Mapping[str, Any], cube: str) -> str:
 
 
 def _approach_record(entry: Mapping[str, Any], words: str) -> dict[str, object]:
-    own = entry["hypotheses"]
-    record = {"V": one_line(own["function"]), "everywhere": own["proper"] is not None}
-    return {**record, "level": own["level"], "within": own["cells"]["within"], "text": words}
+    hypotheses = entry["hypotheses"]
+    record = {"V": one_line(hypotheses["function"]), "everywhere": hypotheses["proper"] is not None}
+    return {**record, "level": hypotheses["level"], "within": hypotheses["cells"]["within"], "text": words}
 
 
 def region_words(region: SublevelRegion, states: Sequence[str]) -> str:
@@ -275,15 +277,15 @@ def _region_record(region: SublevelRegion, states: Sequence[str]) -> dict[str, o
     return record | {"text": region_words(region, states)}
 
 
-def reshaped_words(own: ReshapedRegion, states: Sequence[str]) -> str:
+def reshaped_words(reshaped: ReshapedRegion, states: Sequence[str]) -> str:
     """What is certified of a sublevel set of another V."""
-    where = cube_text(own.region.radius, states)
-    return f"every start with {one_line(own.formula.text)} < {own.region.level} within {where} reaches the equilibrium"
+    where, function = cube_text(reshaped.region.radius, states), one_line(reshaped.formula.text)
+    return f"every start with {function} < {reshaped.region.level} within {where} reaches the equilibrium"
 
 
-def _reshaped_record(own: ReshapedRegion, words: str) -> dict[str, object]:
-    level, within = Quantity(own.region.level), Quantity(own.region.radius)
-    return {"V": one_line(own.formula.text), "level": level, "within": within, "text": words}
+def _reshaped_record(reshaped: ReshapedRegion, words: str) -> dict[str, object]:
+    level, within = Quantity(reshaped.region.level), Quantity(reshaped.region.radius)
+    return {"V": one_line(reshaped.formula.text), "level": level, "within": within, "text": words}
 
 
 def basin_words(basin: CertifiedBasin, states: Sequence[str]) -> str:
@@ -299,7 +301,9 @@ def basin_words(basin: CertifiedBasin, states: Sequence[str]) -> str:
     if basin.filled is not None and basin.outside is not None:
         sides, filled = len(basin.outside["corners"]), percent_text(basin.filled)
         said.append(f"no start outside of a polygon of {sides} sides does, of whose area the region fills {filled}")
-    traps, saddles = (" and ".join(place_text(own, 3) for own, _ in found) for found in (basin.traps, basin.saddles))
+    traps, saddles = (
+        " and ".join(place_text(place, 3) for place, _ in found) for found in (basin.traps, basin.saddles)
+    )
     if traps:
         said.append(f"no start inside of a polygon about {traps} does")
     if saddles:
@@ -324,8 +328,8 @@ def basin_record(basin: CertifiedBasin, words: str) -> dict[str, object]:
         "share": {"sampled": basin.share, "certified_starts": certified, "starts": coming},
         "unit": basin.mesh["unit"],
         "outside": outside_record(basin),
-        **({"traps": [ring_of(own).tolist() for _, own in basin.traps]} if basin.traps else {}),
-        **({"saddles": [_line_record(*own) for own in basin.saddles]} if basin.saddles else {}),
+        **({"traps": [ring_of(ring).tolist() for _, ring in basin.traps]} if basin.traps else {}),
+        **({"saddles": [_line_record(*line) for line in basin.saddles]} if basin.saddles else {}),
         "text": words,
     }
 
@@ -335,7 +339,7 @@ def _line_record(saddle: Floats, hypotheses: dict[str, Any]) -> dict[str, object
     from nonsmooth.proofs.checker.outside import place_of
     from nonsmooth.proofs.systems.outer_ring import ring_of
 
-    ends = [list(place_of(own)) for own in hypotheses["ends"]]
+    ends = [list(place_of(end)) for end in hypotheses["ends"]]
     return {"at": saddle.tolist(), "corners": ring_of(hypotheses).tolist(), "ends": ends}
 
 

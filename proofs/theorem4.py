@@ -148,9 +148,9 @@ class Theorem4Result(ShortRepr):
         from nonsmooth.proofs.kernel.subject import NoCertificateError
         from nonsmooth.proofs.verified import UnverifiedError
 
-        own = self.scene, self.scene.recentred()
+        scenes = self.scene, self.scene.recentred()
         about = (getattr(result, "scene", self.scene) for result in self.results.values())
-        if self.verdict is not clause_registry.conclude(self.results)[0] or any(scene not in own for scene in about):
+        if self.verdict is not clause_registry.conclude(self.results)[0] or any(scene not in scenes for scene in about):
             return False
         try:
             stated = stated_words(build_certificate(self))
@@ -277,19 +277,19 @@ def judge_equilibria(scene: Scene, found: tuple[RestPlace, ...]) -> tuple[Judged
 
 
 def _judged(scene: Scene, equilibrium: RestPlace) -> JudgedEquilibrium:
-    own = replace(scene, check=CheckedSquare(equilibrium.points[0], scene.check.radius / SHARE))
-    rule = rule_of(own)
+    small = replace(scene, check=CheckedSquare(equilibrium.points[0], scene.check.radius / SHARE))
+    rule = rule_of(small)
     if isinstance(rule, CellRule):  # wheels that have no say there only take time
-        own = replace(own, wheels=rule.wheels_that_matter(own))
-    own = own.recentred()
-    before = own.field.rounded_signs
+        small = replace(small, wheels=rule.wheels_that_matter(small))
+    small = small.recentred()
+    before = small.field.rounded_signs
     try:
-        partition = build_partition(own)
+        partition = build_partition(small)
     except RefusalError:  # the small square leaves the support polygon
         return JudgedEquilibrium(equilibrium)
     translation = decide_translation(partition)
     rotation = decide_rotation(partition, translation)
-    if own.field.rounded_signs > before:
+    if small.field.rounded_signs > before:
         return JudgedEquilibrium(equilibrium, Translation.UNDECIDED, Rotation.UNDECIDED)
     return JudgedEquilibrium(equilibrium, translation.verdict, rotation.verdict)
 

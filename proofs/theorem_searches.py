@@ -196,8 +196,8 @@ def show_choice_of(system: SwitchedSystem, verdict: str = UNSTABLE) -> Entry:
             except (NotShownError, BeyondReachError):
                 continue
             if entry["theorem"] in BY_ONE:
-                own = {"choice": choice, "theorem": entry["theorem"], "hypotheses": entry["hypotheses"]}
-                return Search(known=entry["proofs"]).entry(subject, "choice", own)
+                hypotheses = {"choice": choice, "theorem": entry["theorem"], "hypotheses": entry["hypotheses"]}
+                return Search(known=entry["proofs"]).entry(subject, "choice", hypotheses)
     raise NotShownError("no choice among the right-hand sides was found that is unstable")
 
 
@@ -210,7 +210,7 @@ def _searches(system: SwitchedSystem) -> Sequence[ShowWithin]:
         return IN_MANY
     point = PlanePoint(system)
     try:
-        verdicts = {own.verdict for own in (point.fan, point.leading) if own is not None}
+        verdicts = {finding.verdict for finding in (point.fan, point.leading) if finding is not None}
     except BeyondReachError:
         return IN_PLANE
     if Translation.ASYMPTOTICALLY_STABLE in verdicts:
@@ -249,7 +249,7 @@ def choices(subject: System, system: SwitchedSystem, lines: Sequence[str]) -> It
     coordinates = list(map(_written, subject.states, subject.states, subject.at))
     surfaces = dict.fromkeys(coordinates)
     if system.by_roots is None:
-        surfaces |= dict.fromkeys(str(own) for own in system.surfaces() if own.degree)
+        surfaces |= dict.fromkeys(str(surface) for surface in system.surfaces() if surface.degree)
     for surface in surfaces | dict.fromkeys(lines):
         yield from (_beside(surface, i, j) for i, j in permutations(numbers, 2))
     yield from (_beside(["0"], i, j) for i, j in combinations(numbers, 2))
@@ -276,8 +276,11 @@ def parallel_lines(system: SwitchedSystem, subject: System, search: Search) -> l
     slopes = []
     for cell in inclusion.cells:
         for (_, f), (_, g) in combinations(cell.fields, 2):
-            slopes += [own for own in _zeros(cross(f, g)) if _touches(inclusion, cell.signs, own)]
-    if any(at and own != name for own, name, at in zip(subject.coordinates, subject.states, subject.at, strict=True)):
+            slopes += [slope for slope in _zeros(cross(f, g)) if _touches(inclusion, cell.signs, slope)]
+    if any(
+        at and coordinate != name
+        for coordinate, name, at in zip(subject.coordinates, subject.states, subject.at, strict=True)
+    ):
         return []
     x, y = map(_written, subject.coordinates, subject.states, subject.at)
     return [_line(a, b, x, y) for a, b in dict.fromkeys(slopes) if a and b]
@@ -313,8 +316,8 @@ def _zeros(value: Polynomial) -> Iterator[tuple[Fraction, Fraction]]:
 def _touches(inclusion: Inclusion, signs: Sequence[int], direction: Sequence[Fraction]) -> bool:
     """Whether a line through the point lies in the closure of a cell, on one side at least."""
     surfaces = inclusion.surfaces
-    own = [surfaces.signed(j, sign) for j, sign in enumerate(signs)]
-    return any(all(sign_along(s, [side * c for c in direction]) >= 0 for s in own) for side in (1, -1))
+    forms = [surfaces.signed(j, sign) for j, sign in enumerate(signs)]
+    return any(all(sign_along(s, [side * c for c in direction]) >= 0 for s in forms) for side in (1, -1))
 
 
 def choice_words(choice: Any) -> str:

@@ -40,7 +40,7 @@ def verified(certificate: Record, text: Callable[[Record], str]) -> Record:
         raise NoCertificateError(f"certificate: required {error}") from None
     except (RejectedError, *MALFORMED) as error:
         raise UnverifiedError(str(error)) from error
-    kinds = {kind for own in shown for kind in own}
+    kinds = {kind for statement in shown for kind in statement}
     spoken_of = [claim for claim in claims if not kinds.isdisjoint(claim)]
     if not spoken_of:
         raise NoCertificateError(f"certificate: the stand-alone checker shows none of {claims}")

@@ -76,12 +76,12 @@ class FloatCells:
         self.outlines = [np.array(float_vertices(cell.polygon)) for cell in partition.cells]
         self._motions = [np.array(cell.twists, dtype=float) for cell in partition.cells]
         most, longest = max(map(len, self._motions)), max(map(len, self.outlines))
-        self._padded = np.stack([own[np.arange(most) % len(own)] for own in self._motions])
-        sides = [half_planes(own) for own in self.outlines]
-        self._sides = np.stack([own[np.arange(longest) % len(own)] for own in sides])  # (cells, sides, 3)
-        corners = [own for cell, own in zip(partition.cells, self.outlines, strict=True) if cell.rests]
+        self._padded = np.stack([velocities[np.arange(most) % len(velocities)] for velocities in self._motions])
+        sides = [half_planes(outline) for outline in self.outlines]
+        self._sides = np.stack([planes[np.arange(longest) % len(planes)] for planes in sides])  # (cells, sides, 3)
+        corners = [outline for cell, outline in zip(partition.cells, self.outlines, strict=True) if cell.rests]
         self.resting = convex_outline(np.concatenate(corners)) if corners else None
-        self._boxes = [(own.min(axis=0), own.max(axis=0)) for own in self.outlines]
+        self._boxes = [(outline.min(axis=0), outline.max(axis=0)) for outline in self.outlines]
 
     @cached_property
     def _raster(self) -> NDArray[np.int64]:
@@ -90,7 +90,7 @@ class FloatCells:
         middles = (np.arange(PIXELS) + 0.5) * width - self.half
         places = np.stack(np.meshgrid(middles, middles, indexing="ij"), axis=-1).reshape(-1, 2)
         homogeneous = np.column_stack([places, np.ones(len(places))])
-        meets = np.stack([(homogeneous @ own.T).min(axis=1) >= -width for own in self._sides], axis=1)
+        meets = np.stack([(homogeneous @ planes.T).min(axis=1) >= -width for planes in self._sides], axis=1)
         most = int(meets.sum(axis=1).max())
         order = np.argsort(~meets, axis=1, kind="stable")[:, :most]
         return np.where(np.take_along_axis(meets, order, axis=1), order, order[:, :1])
@@ -115,8 +115,8 @@ class FloatCells:
         """The affine velocities of a cell at the nodes of triangles, one motion after the other."""
         points = bernstein(1)
         at = points.places(triangles)
-        for own in self._on(cell, at.reshape(-1, 2)):
-            yield own.reshape(at.shape), points
+        for velocity in self._on(cell, at.reshape(-1, 2)):
+            yield velocity.reshape(at.shape), points
 
     def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
         """None: triangles lie across borders of cells, and so do tips of rings."""
@@ -125,7 +125,7 @@ class FloatCells:
     def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[int, Mask]]:
         """Each cell with the triangles that no line of a side, of its own or of theirs, parts from it."""
         low, high, near = triangles.min(axis=1), triangles.max(axis=1), NEAR * self.half
-        turns = np.stack([half_planes(own) for own in triangles]) if len(triangles) else np.zeros((0, 3, 3))
+        turns = np.stack([half_planes(triangle) for triangle in triangles]) if len(triangles) else np.zeros((0, 3, 3))
         for cell, (own_low, own_high) in enumerate(self._boxes):
             near_box = ((low <= own_high + near) & (high >= own_low - near)).all(axis=1)
             todo = np.nonzero(near_box)[0]
@@ -276,7 +276,7 @@ def _meshes(
                 break
         elif last is not first:  # there is a ring around the first one
             why = "W is not seen to fall beside the first ring"
-    return sorted(found, key=lambda own: -own[0].area), why
+    return sorted(found, key=lambda mesh: -mesh[0].area), why
 
 
 def _circle(centre: Floats, radius: float) -> Floats:

@@ -504,7 +504,9 @@ def region_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterator
     from nonsmooth.analysis.fields.stated_field import potential_values
 
     function, reach, rate = result.function, result.reach, result.reach.rate
-    region = next((own for own in (reach.region, reach.near) if own is not None and own.falls), None)
+    region = next(
+        (sublevel for sublevel in (reach.region, reach.near) if sublevel is not None and sublevel.falls), None
+    )
     if function is None or region is None:
         return
     level = float(region.level)

@@ -63,19 +63,19 @@ def all_zeros(equations: Map, guards: Guards, box: Box, narrow: Callable[[Box], 
         part = None if any(bool(guard(whole) < 0) for guard in guards) else narrow(whole)
         if part is None:
             continue
-        own = _narrowed(whole, part, sizes)
-        wide = [a.mid() + (a.rad() * WIDER + size * LEAST) * UNIT for a, size in zip(own, sizes, strict=True)]
+        narrowed = _narrowed(whole, part, sizes)
+        wide = [a.mid() + (a.rad() * WIDER + size * LEAST) * UNIT for a, size in zip(narrowed, sizes, strict=True)]
         image, is_inside = _image(equations, wide)
-        if not overlap(image, own):
+        if not overlap(image, narrowed):
             continue
         if is_inside:
-            _keep(result, _refined(equations, image, wide), wide, own)
+            _keep(result, _refined(equations, image, wide), wide, narrowed)
             continue
-        longest = max(float(a.rad()) / size for a, size in zip(own[:shown], sizes, strict=False))
+        longest = max(float(a.rad()) / size for a, size in zip(narrowed[:shown], sizes, strict=False))
         if looked > MOST_BOXES or longest < FINEST:
-            result.left.append(own)
+            result.left.append(narrowed)
             continue
-        rest = _narrowed(own, image, sizes)
+        rest = _narrowed(narrowed, image, sizes)
         shrinks = prod(float(a.rad()) / (float(b.rad()) or 1.0) for a, b in zip(rest, whole, strict=True))
         waiting += [rest] if shrinks < 1 / 4 else halves(rest, sizes)
     return result

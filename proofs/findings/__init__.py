@@ -167,7 +167,7 @@ def homogeneous(values: Sequence[Number | Lazy]) -> tuple[Number, ...]:
     quotients = [x.quotient() if isinstance(x, Lazy) else (x, x.field.one) for x in values]
     below = list(dict.fromkeys(d for _, d in quotients if d != 1))
     one = quotients[0][1].field.one
-    scaled = [n * math.prod((d for d in below if d != own), start=one) for n, own in quotients]
+    scaled = [n * math.prod((d for d in below if d != denominator), start=one) for n, denominator in quotients]
     scaled.append(math.prod(below, start=one))
     if scaled[-1].sign() < 0:
         scaled = [-x for x in scaled]

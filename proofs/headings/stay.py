@@ -254,7 +254,9 @@ def set_motion(
     if not all(push > 0 if pressed else push < 0 for push, pressed in pushes):
         return None  # loads may change their form
     sets = [smooth_rule_of(scene).friction_set(wheel.friction) for wheel in chosen]
-    rubbing = [k for k, own in enumerate(sets) if guess.loaded[k] and (own.along or own.across)]
+    rubbing = [
+        k for k, friction_set in enumerate(sets) if guess.loaded[k] and (friction_set.along or friction_set.across)
+    ]
     part = replace(scene, wheels=tuple(chosen[k] for k in rubbing))
     held = {n: 2 for n, k in enumerate(rubbing) if guess.stuck[k]}
     balance = Balance(part, LoadBox(tuple(springs.forms[k] for k in rubbing)), held)

@@ -412,8 +412,8 @@ def _rubbing_rows(scene: Scene) -> list[Row]:
     """The rows in which the friction set of the wheel has a width."""
     rule = smooth_rule_of(scene)
     limits = {wheel.index: rule.friction_set(wheel.friction) for wheel in scene.wheels}
-    sizes = {(k, RowKind.ROLL): own.along for k, own in limits.items()}
-    sizes |= {(k, RowKind.SIDE): own.across for k, own in limits.items()}
+    sizes = {(k, RowKind.ROLL): limit.along for k, limit in limits.items()}
+    sizes |= {(k, RowKind.SIDE): limit.across for k, limit in limits.items()}
     return [row for row in scene_rows(scene) if sizes[row.wheel.index, row.kind]]
 
 

@@ -282,16 +282,16 @@ def _at_rest(wheel: Wheel) -> Wheel:
 
 
 @remembered(2)  # a law chooses the speeds: an array is decided once, whichever of its wheels are stopped
-def _decide_at_rest(own: Scene, length: Fraction) -> DrivenFeedback:
+def _decide_at_rest(scene: Scene, length: Fraction) -> DrivenFeedback:
     """The decision for an array with l for its unit of length, whose speeds are not looked at."""
-    return (_decide_for_every_load if own.contact.loads_are_unknown else _decide)(own, length)
+    return (_decide_for_every_load if scene.contact.loads_are_unknown else _decide)(scene, length)
 
 
-def _decide_for_every_load(own: Scene, length: Fraction) -> DrivenFeedback:
+def _decide_for_every_load(scene: Scene, length: Fraction) -> DrivenFeedback:
     """One law for all loads; where even those of level springs leave a plane of twists only, none."""
     from nonsmooth.proofs.clauses.feedback.every_load_law import on_level_springs, search_law
 
-    level = on_level_springs(own)
+    level = on_level_springs(scene)
     unique = _imposed(level)
     if rank_of(unique) < 3:
         without = _decide(level, length)
@@ -299,113 +299,113 @@ def _decide_for_every_load(own: Scene, length: Fraction) -> DrivenFeedback:
             return replace(without, reason=ON_LEVEL_SPRINGS.format(without.reason))
         why = without.reason
     else:
-        found = search_law(own, unique)
+        found = search_law(scene, unique)
         if found is not None:
             cone, law = found
             reason = FOR_EVERY_LOAD.format(lower_text(1 - law.slack, 3))
-            return replace(_stabilizable(reason, own, (cone,)), every_load=law)
+            return replace(_stabilizable(reason, scene, (cone,)), every_load=law)
         why = "some speeds impose three independent twists"
-    return DrivenFeedback(Feedback.UNDECIDED, NOT_FOR_EVERY_LOAD.format(why), own)
+    return DrivenFeedback(Feedback.UNDECIDED, NOT_FOR_EVERY_LOAD.format(why), scene)
 
 
-def _imposed(own: Scene) -> list[ImposedTwist]:
+def _imposed(scene: Scene) -> list[ImposedTwist]:
     """Twists that some speeds impose as the only minimizer, forces and boxes inside friction sets together."""
-    boxed = None if has_cells(own) else inscribed_boxes(own)
+    boxed = None if has_cells(scene) else inscribed_boxes(scene)
     found = []
-    for each in (own, boxed):
+    for each in (scene, boxed):
         if each is not None:
             candidates, _ = candidates_of(each, _regions_at(each)[0], ENOUGH_FOR_EVERY_LOAD)
             found += unique_ones(candidates)
     return found
 
 
-def _decide(own: Scene, length: Fraction) -> DrivenFeedback:
+def _decide(scene: Scene, length: Fraction) -> DrivenFeedback:
     """The decision for an array with l for its unit of length; a plane of twists is given in the unit before.
 
     What forces leave open, boxes inside the friction sets may prove.
     """
-    found = _decide_by_twists(own, length)
+    found = _decide_by_twists(scene, length)
     boxed = None
-    if found.verdict is Feedback.UNDECIDED and not has_cells(own):
-        boxed = inscribed_boxes(own)
+    if found.verdict is Feedback.UNDECIDED and not has_cells(scene):
+        boxed = inscribed_boxes(scene)
     inside = found if boxed is None else _decide_by_twists(boxed, length)
     if inside is found or inside.verdict is not Feedback.STABILIZABLE:
         return found
     return replace(inside, reason=IN_BOXES.format(inside.reason))
 
 
-def _decide_by_twists(own: Scene, length: Fraction) -> DrivenFeedback:
-    regions = _regions_at(own)
-    candidates, complete = candidates_of(own, regions[0])
+def _decide_by_twists(scene: Scene, length: Fraction) -> DrivenFeedback:
+    regions = _regions_at(scene)
+    candidates, complete = candidates_of(scene, regions[0])
     unique = unique_ones(candidates)
     if rank_of(unique) == 3:
-        three = best_three(own, unique)
-        others = [Drives(own, region) for region in regions[1:]] if has_cells(own) else []
+        three = best_three(scene, unique)
+        others = [Drives(scene, region) for region in regions[1:]] if has_cells(scene) else []
         elsewhere = tuple(drives.examine(one.twist) for drives in others for one in three)
         if all(one.is_unique for one in elsewhere):
-            return _stabilizable(THREE, own, (LawCone(None, three, elsewhere),))
+            return _stabilizable(THREE, scene, (LawCone(None, three, elsewhere),))
     if complete:
         candidates = with_exclusions(candidates)
     possible = [candidate.twist for candidate in candidates if not candidate.is_excluded]
-    normal = common_normal([in_scene(twist, length) for twist in possible], own.field)
+    normal = common_normal([in_scene(twist, length) for twist in possible], scene.field)
     if complete and normal is not None:
         reason, proofs = obstruction_text(normal), tuple(candidates)
-        return DrivenFeedback(Feedback.NO_CERTIFICATE, reason, own, obstruction=normal, candidates=proofs)
+        return DrivenFeedback(Feedback.NO_CERTIFICATE, reason, scene, obstruction=normal, candidates=proofs)
     rank = rank_of(unique)
     reason = f"twists of rank {rank} are proved to be imposed at c*; others are neither proved nor excluded"
     if not complete:
         reason = f"the first {len(candidates)} candidates show twists of rank {rank}; more were not looked at"
-    if has_cells(own) and normal is None:
-        cones, why = law_by_direction(own, regions, possible)
+    if has_cells(scene) and normal is None:
+        cones, why = law_by_direction(scene, regions, possible)
         if cones:
-            return _stabilizable(why, own, cones)
+            return _stabilizable(why, scene, cones)
         reason = why if complete else reason
-    return DrivenFeedback(Feedback.UNDECIDED, reason, own)
+    return DrivenFeedback(Feedback.UNDECIDED, reason, scene)
 
 
-def _regions_at(own: Scene) -> Sequence[LoadRegion]:
+def _regions_at(scene: Scene) -> Sequence[LoadRegion]:
     """The load regions that meet at the point."""
-    zero = own.field.zero
-    return load_regions(own, (zero, zero))
+    zero = scene.field.zero
+    return load_regions(scene, (zero, zero))
 
 
-def _stabilizable(reason: str, own: Scene, cones: tuple[LawCone, ...]) -> DrivenFeedback:
+def _stabilizable(reason: str, scene: Scene, cones: tuple[LawCone, ...]) -> DrivenFeedback:
     kappa = min(certified_gain(cone.vectors) for cone in cones)
-    return DrivenFeedback(Feedback.STABILIZABLE, reason, own, cones, kappa)
+    return DrivenFeedback(Feedback.STABILIZABLE, reason, scene, cones, kappa)
 
 
 # ---- an exact balance of frictions: a law by directions of c -----------------------------
 
 
 def law_by_direction(
-    own: Scene, regions: Sequence[LoadRegion], twists: Sequence[Triple]
+    scene: Scene, regions: Sequence[LoadRegion], twists: Sequence[Triple]
 ) -> tuple[tuple[LawCone, ...], str]:
     """The cones of a law and a sentence; no cones, and why, where some directions have no three twists."""
-    by_region = [[drives.examine(twist) for twist in twists] for drives in (Drives(own, r) for r in regions)]
+    by_region = [[drives.examine(twist) for twist in twists] for drives in (Drives(scene, r) for r in regions)]
     cones: list[LawCone] = []
-    for start, end in _cones(own, regions, by_region):
+    for start, end in _cones(scene, regions, by_region):
         middle = plus(start, end)  # inside a cone of less than a half turn
         here = next(twists for region, twists in zip(regions, by_region, strict=True) if _points_into(region, middle))
         unique = [twist for twist in here if twist.is_unique_towards(middle)]
         if rank_of(unique) < 3:
             x, y = (brief_text(entry) for entry in middle)
             return (), MARGINAL.format(x, y, rank_of(unique))
-        cones.append(LawCone((start, end), best_three(own, unique)))
+        cones.append(LawCone((start, end), best_three(scene, unique)))
     return tuple(cones), BY_DIRECTION.format(len(cones))
 
 
 def _cones(
-    own: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[BoxTwist]]
+    scene: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[BoxTwist]]
 ) -> list[tuple[Point, Point]]:
     """Cones of directions inside which no slope that vanishes at c* changes its sign, nor the loads their form."""
-    rays = sorted((ray for a, b in _lines(own, regions, by_region) for ray in ((-b, a), (b, -a))), key=by_angle)
+    rays = sorted((ray for a, b in _lines(scene, regions, by_region) for ray in ((-b, a), (b, -a))), key=by_angle)
     rays = [rays[0], *(ray for last, ray in pairwise(rays) if cross(last, ray))]  # none is a half turn from the next
     return around(rays)
 
 
-def _lines(own: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[BoxTwist]]) -> Iterator[Point]:
+def _lines(scene: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[BoxTwist]]) -> Iterator[Point]:
     """Normals of the lines through the point on which a slope vanishes or the loads change, and both axes."""
-    zero, one = own.field.zero, own.field.one
+    zero, one = scene.field.zero, scene.field.one
     yield from ((one, zero), (zero, one))
     for region in regions:
         yield from (side.normal for side in region.polygon.sides if not sign(side.offset))
@@ -437,9 +437,9 @@ def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
     functional = functional_of(rule)
     if functional is None:
         raise TypeError(f"required a rule that minimizes the dissipation, received {scene.contact.rule}")
-    own = in_own_length(scene)
-    model = contacts_under(rule, own)
-    radius, states = own.check.half_width, STATES[functional]
+    scaled = in_own_length(scene)
+    model = contacts_under(rule, scaled)
+    radius, states = scaled.check.half_width, STATES[functional]
     free = free_motions(scene)
     if free:
         return replace(feedback, samples=tuple(LoopSample(law, 0, None, None, free) for law in SampledLaw))

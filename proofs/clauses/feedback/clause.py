@@ -185,8 +185,8 @@ def _imposed_twists(feedback: AnyFeedback, scene: Scene) -> Iterator[Fact]:
     if isinstance(feedback, FeedbackResult):
         yield from (Fact("cones", []), Fact("sampled", []))
         return
-    own = in_own_length(scene.recentred())
-    cones = [_cone_record(cone, own, feedback.length) for cone in feedback.cones]
+    scaled = in_own_length(scene.recentred())
+    cones = [_cone_record(cone, scaled, feedback.length) for cone in feedback.cones]
     yield Fact("cones", cones, _twists(feedback), explained=True)
     if feedback.certified_kappa is not None:
         reach = feedback.reach
@@ -223,13 +223,13 @@ def _sample_record(sample: LoopSample) -> Record:
     }
 
 
-def _cone_record(cone: LawCone, own: Scene, length: Fraction) -> Record:
+def _cone_record(cone: LawCone, scaled: Scene, length: Fraction) -> Record:
     """The twists of the law with the speeds that impose them, for a cone of directions of c."""
     from nonsmooth.proofs.clauses.feedback.driven_law import in_scene, rim_speeds
 
     start, end = (None, None) if cone.rays is None else map(Quantity, cone.rays)
     twists = [
-        {"twist": Quantity(in_scene(imposed.twist, length)), "speeds": [float(u) for u in rim_speeds(own, imposed)]}
+        {"twist": Quantity(in_scene(imposed.twist, length)), "speeds": [float(u) for u in rim_speeds(scaled, imposed)]}
         for imposed in cone.twists
     ]
     return {"from": start, "to": end, "twists": twists}

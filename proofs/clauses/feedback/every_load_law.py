@@ -95,7 +95,7 @@ class EveryLoadLaw:
         """Whether three pyramids hold all motions."""
         driven = (driven_by(self.scene, imposed, wheels) for imposed in three)
         pyramids = (TwistPyramid(_floats(three), k, self.slack, self.height) for k in range(3))
-        return all(own.holds_minimizers(rows, loads) for own, rows in zip(pyramids, driven, strict=True))
+        return all(pyramid.holds_minimizers(rows, loads) for pyramid, rows in zip(pyramids, driven, strict=True))
 
 
 def wheels_of(scene: Scene) -> ContactModel:

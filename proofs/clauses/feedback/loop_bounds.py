@@ -114,8 +114,8 @@ def wheel_speed(feedback: AnyFeedback, scene: Scene) -> WheelSpeed | None:
         return WheelSpeed(Fraction(largest) * (1 + FEW_ROUNDINGS), bent, place)
     from nonsmooth.proofs.clauses.feedback.driven_law import effort
 
-    own = in_own_length(scene.recentred())
-    efforts = [max(effort(own, imposed) for imposed in cone.twists) for cone in feedback.cones]
+    scaled = in_own_length(scene.recentred())
+    efforts = [max(effort(scaled, imposed) for imposed in cone.twists) for cone in feedback.cones]
     largest = max(efforts)
     return WheelSpeed(Fraction(largest) * (1 + FEW_ROUNDINGS), Fraction(0), efforts.index(largest))
 
@@ -166,10 +166,10 @@ def limited_speed(feedback: DrivenFeedback, scene: Scene) -> Fraction | None:
     """Speed with which sqrt(V) falls at least while a wheel is at its limit; None without a law, or without limits."""
     from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 
-    limits, own = scene.speed_limits, in_own_length(scene.recentred())
+    limits, scaled = scene.speed_limits, in_own_length(scene.recentred())
     least: list[float] = []
     for imposed in (imposed for cone in feedback.cones for imposed in cone.twists):
-        speeds = dict(zip(own.numbers, rim_speeds(own, imposed), strict=True))
+        speeds = dict(zip(scaled.numbers, rim_speeds(scaled, imposed), strict=True))
         least += [float(limit) / abs(speeds[wheel]) for wheel, limit in limits.items() if speeds[wheel]]
     if not least or feedback.kappa is None:
         return None

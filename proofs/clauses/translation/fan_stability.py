@@ -193,13 +193,13 @@ def _slides_along(ray: Point, twists: Iterable[Twist]) -> Iterator[MoveEvidence]
 
 def _outward(slides: Sequence[Sequence[MoveEvidence]]) -> list[MoveEvidence]:
     """Of each ray the first slide that leads outward."""
-    first = (next((slide for slide in own if sign(slide.value) > 0), None) for own in slides)
+    first = (next((slide for slide in on_ray if sign(slide.value) > 0), None) for on_ray in slides)
     return [slide for slide in first if slide is not None]
 
 
 def _equilibria(slides: Sequence[Sequence[MoveEvidence]]) -> list[MoveEvidence]:
     """Of each ray of equilibria the first pair that rests there."""
-    first = (next((slide for slide in own if not sign(slide.value)), None) for own in slides)
+    first = (next((slide for slide in on_ray if not sign(slide.value)), None) for on_ray in slides)
     return [replace(slide, move=Move.REST) for slide in first if slide is not None]
 
 

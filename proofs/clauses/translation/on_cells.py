@@ -379,7 +379,7 @@ def certified_disc(partition: Partition) -> CertifiedDisc:
     if nearest * (1 - MARGIN) < size:
         size = nearest * (1 - MARGIN)
         squared = partition.scene.field.rational(_rounded(size * size * (1 - MARGIN)))
-    barriers = {state: own.barrier(size) for state, own in growing.items()}
+    barriers = {state: growth.barrier(size) for state, growth in growing.items()}
     return CertifiedDisc(squared, barriers, highest < 0, None if growing else _falling_rate(partition))
 
 

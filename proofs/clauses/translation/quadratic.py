@@ -185,7 +185,7 @@ def find_quadratic(
     swift = _descent(cones, propose_swift_shape(cones, found.swing_radius))
     swifter = replace(found, swift=swift)
     if swift is not None and swifter.speed(swift) > 0:
-        found = min(found, swifter, key=lambda own: own.arrival_per_distance)
+        found = min(found, swifter, key=lambda decrease: decrease.arrival_per_distance)
     falls = found.speed(found.swift or found.descent) > 0
     return found if falls and sign(found.level) > 0 else None
 
