@@ -30,8 +30,8 @@ def approach_of(states: list[str], rhs: list[str], **more: Any) -> dict[str, Any
         certificate = result.certificate()
         text = certificate_text(certificate)
         assert not refusal(certificate, len(text))
-        own = {"function": found["V"], "within": found["within"], "below": found["level"]}
-        said = "everywhere" if found["everywhere"] else own if found["level"] else "near"
+        region = {"function": found["V"], "within": found["within"], "below": found["level"]}
+        said = "everywhere" if found["everywhere"] else region if found["level"] else "near"
         assert {"approaches": said} in certificate["statement"]["claims"]
     return found
 

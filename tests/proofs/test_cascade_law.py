@@ -59,7 +59,7 @@ def closed_loop(scene: Scene, law: CascadeLaw, eps: float = 1.0) -> Rate:
             omega = -theta
             v = np.linalg.norm(c) * signs[nearest + 1] * d - (n @ (J @ p)) * omega * n
         wanted = np.array([*v, omega])
-        return rows.rate(c, lambda own: own.row @ wanted)
+        return rows.rate(c, lambda row: row.row @ wanted)
 
     return rate
 

@@ -440,12 +440,12 @@ def of_seed(arrays: Arrays, seed: int) -> tuple[Any, Record]:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_bodies_come_home_as_is_stated(arrays: Arrays, seed: int) -> None:
     result, certificate = of_seed(arrays, seed)
-    own = said(certificate)
-    assert {"drift", "swing", "arrival", "feedback rate"} <= set(own)
+    claims = said(certificate)
+    assert {"drift", "swing", "arrival", "feedback rate"} <= set(claims)
     printed = result.translation
-    assert Fraction(own["arrival"]["rate"]) >= 1 / Fraction(printed.arrival_per_distance)
-    assert float(Fraction(own["swing"]["squared_swing"])) <= float(printed.swing_radius) ** 2
-    assert float(Fraction(own["swing"]["squared_radius"])) >= float(printed.home_radius) ** 2 * (1 - 2e-6)
+    assert Fraction(claims["arrival"]["rate"]) >= 1 / Fraction(printed.arrival_per_distance)
+    assert float(Fraction(claims["swing"]["squared_swing"])) <= float(printed.swing_radius) ** 2
+    assert float(Fraction(claims["swing"]["squared_radius"])) >= float(printed.home_radius) ** 2 * (1 - 2e-6)
     partition = build_nearest_partition(arrays.cocircular(seed).recentred())
     assert_bounds_hold(certificate["statement"]["claims"], partition, number)
 
@@ -457,12 +457,12 @@ def put(certificate: Record, path: tuple[Any, ...], data: Any) -> Record:
     for key in path[:-1]:
         holder = holder[key]
     holder[path[-1]] = data
-    own, kept = evidence(forged), [c for c in forged["statement"]["claims"] if not set(c) & {"swing", "arrival"}]
-    ellipse = own["ellipse"]
+    hypotheses, kept = evidence(forged), [c for c in forged["statement"]["claims"] if not set(c) & {"swing", "arrival"}]
+    ellipse = hypotheses["ellipse"]
     start = {"squared_radius": ellipse["squared_radius"]}
     kept.append({"swing": {**start, "squared_swing": ellipse["squared_swing"]}})
     kept.append({"arrival": {**start, "rate": ellipse["arrival"]["rate"]}})
-    law = {key: own["law"].get(key) for key in ("form", "weight", "kappa", "squared_reach")}
+    law = {key: hypotheses["law"].get(key) for key in ("form", "weight", "kappa", "squared_reach")}
     forged["statement"]["claims"] = [c for c in kept if "feedback rate" not in c] + [{"feedback rate": law}]
     return forged
 
@@ -518,9 +518,9 @@ def test_a_distance_of_the_law_is_load_bearing(arrays: Arrays) -> None:
 def test_a_body_that_is_not_turned_anywhere() -> None:
     """Rule box on an array of outward rims: no cell of the square turns the body."""
     certificate = build_certificate(checked("outward", "box"))
-    own = said(certificate)
-    assert own["turning"] == {"squared_radius": evidence(certificate)["disc"], "per_distance": "0"}
-    assert own["drift"] == ["0", "0", "1"]
+    claims = said(certificate)
+    assert claims["turning"] == {"squared_radius": evidence(certificate)["disc"], "per_distance": "0"}
+    assert claims["drift"] == ["0", "0", "1"]
     for factor in ("-1", "1"):
         forged = copy.deepcopy(certificate)
         evidence(forged)["turn"] = factor

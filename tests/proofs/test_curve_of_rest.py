@@ -70,10 +70,10 @@ def _random_field(source: random.Random, count: int) -> list[Polynomial]:
     def terms(number: int) -> Polynomial:
         found = constant(count, 0)
         for _ in range(number):
-            own = constant(count, Fraction(source.randint(-4, 4), 2))
+            term = constant(count, Fraction(source.randint(-4, 4), 2))
             for _ in range(source.randint(1, 2)):
-                own *= variable(count, source.randrange(count))
-            found += own * variable(count, source.randrange(1, count))
+                term *= variable(count, source.randrange(count))
+            found += term * variable(count, source.randrange(1, count))
         return found
 
     return [terms(3), *(terms(3) - variable(count, k, 2) for k in range(1, count))]
@@ -108,7 +108,7 @@ def test_a_matrix_times_its_adjugate_is_its_determinant(size: int) -> None:
     for i in range(size):
         for j in range(size):
             assert _dot(matrix[i], [row[j] for row in adjugate]) == (determinant if i == j else constant(1, 0))
-    floats = [[float(own.on([constant(1, 1)], 1).at_origin) for own in row] for row in matrix]
+    floats = [[float(entry.on([constant(1, 1)], 1).at_origin) for entry in row] for row in matrix]
     assert np.linalg.det(floats) == pytest.approx(float(determinant.on([constant(1, 1)], 1).at_origin))
 
 

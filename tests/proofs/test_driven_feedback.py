@@ -607,9 +607,9 @@ def test_cones_that_do_not_go_around_are_refused(arrays: Arrays) -> None:
 def test_whichever_wheels_are_stopped_an_array_is_decided_once(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Scene] = []
 
-    def decided(own: Scene, length: Fraction) -> DrivenFeedback:
-        asked.append(own)
-        return DrivenFeedback(Feedback.UNDECIDED, "", own)
+    def decided(array: Scene, length: Fraction) -> DrivenFeedback:
+        asked.append(array)
+        return DrivenFeedback(Feedback.UNDECIDED, "", array)
 
     monkeypatch.setattr(by_friction, "_decide", decided)
     scene = centred(load_scene("ring-6"), "roller")

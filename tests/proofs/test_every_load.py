@@ -243,12 +243,12 @@ def test_rest_or_spin_minimizes_d_under_every_sampled_load(name: str) -> None:
     assert twist is not None
     loads = admissible_at(scene, np.zeros((40, 2)), np.random.default_rng(3))
     minima, model = BoxHighs().minimize(contact_model(scene), loads), contact_model(scene)
-    own = np.array([float(entry) for entry in twist])
-    mine = dissipation(Functional.BOX, model, loads, np.tile(own, (len(loads), 1)))
+    motion = np.array([float(entry) for entry in twist])
+    mine = dissipation(Functional.BOX, model, loads, np.tile(motion, (len(loads), 1)))
     best = dissipation(Functional.BOX, model, loads, minima.twists)
     assert (mine <= best + SAME_D).all()
     if equilibrium.point.situation is EveryLoad.UNIQUE:
-        assert (np.abs(minima.twists - own) < STILL).all()
+        assert (np.abs(minima.twists - motion) < STILL).all()
 
 
 def random_linear_array(arrays: Arrays, seed: int) -> Scene:
@@ -481,14 +481,14 @@ class Loop:
 
 def loop_of(scene: Scene, cone: LawCone) -> Loop:
     """The law of a cone under sampled loads near the point."""
-    own, rng = in_own_length(scene), np.random.default_rng(5)
-    loads, rule = sampled_loads(own, NEAR * rng.normal(size=2), rng), rule_of(own)
-    model = contacts_under(rule, own)
+    rescaled, rng = in_own_length(scene), np.random.default_rng(5)
+    loads, rule = sampled_loads(rescaled, NEAR * rng.normal(size=2), rng), rule_of(rescaled)
+    model = contacts_under(rule, rescaled)
     minimizer = EllipseMinimizer() if isinstance(rule, SmoothRule) else BoxHighs()
     motions = []
     for imposed in cone.twists:
         targets = np.zeros(2 * model.wheels)
-        targets[0::2] = rim_speeds(own, imposed)
+        targets[0::2] = rim_speeds(rescaled, imposed)
         motions.append(minimizer.minimize(replace(model, targets=targets), loads).twists)
     return Loop(np.array([[float(x) for x in imposed.twist] for imposed in cone.twists]), np.array(motions))
 

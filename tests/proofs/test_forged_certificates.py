@@ -127,8 +127,8 @@ def written(rhs: list[str], cells: Record, function: str, **more: Any) -> Record
         NotShownError: where a claim of it is not shown.
     """
     subject = {"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]}
-    own = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
-    hypotheses = {"cells": cells, "function": function, "second": None, **own, **more}
+    defaults = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
+    hypotheses = {"cells": cells, "function": function, "second": None, **defaults, **more}
     entry, shown = Search().entry(read_system(subject), "lyapunov", hypotheses)
     return {"version": VERSION, "statement": {"subject": subject, "claims": shown}, "evidence": [entry]}
 
@@ -301,12 +301,14 @@ def other_claim(original: Record, source: random.Random) -> Record:
     found = copy.deepcopy(original)
     claim = source.choice(found["statement"]["claims"])
     ((kind, about),) = claim.items()
-    numbers = [(own, key) for own, key in leaves(claim) if isinstance(own[key], str) and is_number(own[key])]
+    numbers = [
+        (holder, key) for holder, key in leaves(claim) if isinstance(holder[key], str) and is_number(holder[key])
+    ]
     if isinstance(about, str) and kind in OTHER:
         claim[kind] = source.choice([word for word in OTHER[kind] if word != about])
     elif numbers:
-        own, key = source.choice(numbers)
-        own[key] = source.choice(other_numbers(own[key], source))
+        holder, key = source.choice(numbers)
+        holder[key] = source.choice(other_numbers(holder[key], source))
     return found
 
 

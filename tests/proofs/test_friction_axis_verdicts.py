@@ -103,10 +103,10 @@ def test_free_rollers_get_the_verdicts_of_rims_along_their_axes(rule: str) -> No
     scene = load_scene("mecanum-4", rule=rule)
     plain = with_rims_along_axes(scene)
     assert plain is not None
-    own, other = check_theorem4(scene), check_theorem4(plain)
-    assert own.check()
-    assert [found.verdict for _, found in own.clauses] == [found.verdict for _, found in other.clauses]
-    assert own.verdict == other.verdict
+    result, other = check_theorem4(scene), check_theorem4(plain)
+    assert result.check()
+    assert [found.verdict for _, found in result.clauses] == [found.verdict for _, found in other.clauses]
+    assert result.verdict == other.verdict
 
 
 @pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])
@@ -115,13 +115,13 @@ def test_the_speeds_of_a_law_for_mecanum_wheels_are_the_textbooks(rule: str) -> 
     feedback = check_theorem4(scene).feedback
     assert isinstance(feedback, DrivenFeedback)
     assert feedback.verdict is Feedback.STABILIZABLE
-    own = in_own_length(scene)
+    rescaled = in_own_length(scene)
     reach = 3 / float(scene.check.length)
     for imposed in feedback.cones[0].twists:
         vx, vy, omega = (float(x) for x in imposed.twist)
         signs = [(-1, -1), (1, -1), (-1, 1), (1, 1)]
         textbook = [vx + a * vy + b * reach * omega for a, b in signs]
-        assert rim_speeds(own, imposed) == pytest.approx(textbook)
+        assert rim_speeds(rescaled, imposed) == pytest.approx(textbook)
 
 
 @few(2)

@@ -189,11 +189,15 @@ def test_no_path_takes_longer_than_the_time_of_arrival(rhs: list[str], loss: flo
     assert max(shares) > 1 / loss
     certificate = certificate_of(result)
     assert refused(certificate) == ""
-    (said,) = [own["arrives"] for own in certificate["statement"]["claims"] if isinstance(own.get("arrives"), dict)]
+    (said,) = [
+        claim["arrives"] for claim in certificate["statement"]["claims"] if isinstance(claim.get("arrives"), dict)
+    ]
     assert Fraction(said["factor"]) == arrival.factor
     said["factor"] = str(arrival.factor * Fraction(99, 100))
     assert refused(certificate).startswith("evidence of the claim")
-    numbers = next(own["hypotheses"]["arrival"] for own in certificate["evidence"] if "arrival" in own["hypotheses"])
+    numbers = next(
+        entry["hypotheses"]["arrival"] for entry in certificate["evidence"] if "arrival" in entry["hypotheses"]
+    )
     for key, part in (("speed", Fraction(5, 4)), ("above", Fraction(1, 2))):
         stated = numbers[key]
         numbers[key] = str(Fraction(stated) * part)

@@ -238,8 +238,8 @@ FIVE_OF_EACH = (0, 1, 3, 4, 5, 2, 14, 28, 31, 32)  # arrays that lose their stab
 
 
 def translation_at(scene: Scene) -> EllipseTranslation:
-    own = scene.recentred()
-    return decide_translation_at(ellipse_point(own, load_regions(own, own.check.equilibrium)), None)
+    recentred = scene.recentred()
+    return decide_translation_at(ellipse_point(recentred, load_regions(recentred, recentred.check.equilibrium)), None)
 
 
 def limit_of(scene: Scene) -> MassLimit | None:
@@ -248,8 +248,8 @@ def limit_of(scene: Scene) -> MassLimit | None:
 
 def growth(scene: Scene, omega: float, mass: float) -> float:
     """The largest real part of the eigenvalues of the equations that full dynamics integrates, theta left out."""
-    own = scene.recentred()
-    model = contact_model(own)
+    recentred = scene.recentred()
+    model = contact_model(recentred)
     state = np.array([0.0, 0.0, 0.0, 0.0, 0.0, omega])
     radius = np.sqrt(((model.positions - model.positions.mean(axis=0)) ** 2).sum(axis=1).mean() / 2)
     loads = MovingLoads(model, state[:2])

@@ -230,7 +230,7 @@ def test_a_v_that_solutions_keep_refutes_attraction(rhs: list[str]) -> None:
 @pytest.mark.parametrize(("rhs", "lyapunov"), NOT_KEPT)
 def test_another_v_does_not(rhs: list[str], lyapunov: str | None) -> None:
     result = decide_system(ns.System(["x", "y"], rhs, lyapunov=lyapunov).system)
-    assert not any(own.refutes == KEPT for own in result.findings)
+    assert not any(finding.refutes == KEPT for finding in result.findings)
 
 
 # ---- LaSalle's principle under arbitrary switching: counterexamples to asking the fields one by one, and signals
@@ -239,7 +239,7 @@ def test_another_v_does_not(rhs: list[str], lyapunov: str | None) -> None:
 Fields = list[list[str]]
 
 SIGNAL_STEP, SIGNAL_STEPS, NEAR = 1 / 128, 1_800, 1e-6  # somewhat more than two turns
-BESIDE_X, BESIDE_Y = (NEAR * np.array([own]).T for own in ((1, -1, 0, 0), (0, 0, 1, -1)))
+BESIDE_X, BESIDE_Y = (NEAR * np.array([offsets]).T for offsets in ((1, -1, 0, 0), (0, 0, 1, -1)))
 DISC = "x**2 + y**2"
 AGAINST = [[f"{turn}*y - x*(x - 2*y)**2", f"{-turn}*x - y*(x - 2*y)**2"] for turn in (1, -1)]
 

@@ -121,7 +121,7 @@ LINES: dict[str, Callable[[float, float], float]] = {
 @pytest.mark.parametrize(("seed", "line"), list(product(range(12), LINES)))
 def test_random_weak_foci_are_decided_as_they_turn(seed: int, line: str) -> None:
     """Where a turn changes the distance clearly, the energy decides, and as the turn does."""
-    a, b, c = (int(own) for own in np.random.default_rng(seed).choice([-3, -2, -1, 1, 2, 3], 3))
+    a, b, c = (int(coefficient) for coefficient in np.random.default_rng(seed).choice([-3, -2, -1, 1, 2, 3], 3))
     sides = (
         lambda x, y: -y + a * x * abs(x),
         lambda x, y: x + b * y * abs(y) + c * x * y * np.sign(LINES[line](x, y)),
@@ -137,7 +137,7 @@ def test_random_weak_foci_are_decided_as_they_turn(seed: int, line: str) -> None
 @pytest.mark.parametrize("seed", range(40))
 def test_random_weak_foci_of_any_kind_are_never_decided_otherwise(seed: int) -> None:
     """With terms of second and third order that jump on two lines."""
-    a, b, c, d = (int(own) for own in np.random.default_rng(seed).integers(-3, 4, 4))
+    a, b, c, d = (int(coefficient) for coefficient in np.random.default_rng(seed).integers(-3, 4, 4))
     sides = (
         lambda x, y: -y + a * x * abs(y) + b * x**3,
         lambda x, y: x + c * y * y * np.sign(x - 2 * y) + d * y * x**2 * np.sign(x),

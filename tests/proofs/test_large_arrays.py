@@ -196,9 +196,9 @@ def test_equilibria_are_judged_among_few_wheels(arrays: Arrays, monkeypatch: pyt
     sizes: list[int] = []
     build = build_partition
 
-    def counted(own: Scene, **options: Any) -> Partition:
-        sizes.append(len(own.wheels))
-        return build(own, **options)
+    def counted(array: Scene, **options: Any) -> Partition:
+        sizes.append(len(array.wheels))
+        return build(array, **options)
 
     monkeypatch.setattr(theorem4, "build_partition", counted)
     theorem4.judge_equilibria(scene, found)

@@ -110,7 +110,7 @@ def test_in_reversed_time_it_grows(load: Load) -> None:
 
 def test_sums_of_basis_functions_are_written_as_formulas(load: Load) -> None:
     system = load("y - sign(x + 2*y)", "-sign(y)*sign(x - 1)")
-    lines = [own for own in system.surfaces() if own.is_homogeneous]
+    lines = [surface for surface in system.surfaces() if surface.is_homogeneous]
     assert {str(line) for line in lines} == {"x + 2*y", "y"}
     basis = (*map(bent, lines), *monomials(("a", "b"), 2))
     coefficients = [fmpq(1, 2), fmpq(0), fmpq(1), fmpq(-9, 11), fmpq(-1)]
@@ -266,7 +266,7 @@ def test_sums_are_all_functions_that_are_quadratic_between_lines(count: int) -> 
     lines = [x * round(99 * np.cos(angle)) + y * round(99 * np.sin(angle)) for angle in angles]
     basis = piecewise_quadratics(system.states, lines)
     points = np.random.default_rng(0).normal(size=(400, 2))
-    sums = np.stack([value(own.text, x=points[:, 0], y=points[:, 1]) for own in basis], axis=1)
+    sums = np.stack([value(function.text, x=points[:, 0], y=points[:, 1]) for function in basis], axis=1)
     assert np.linalg.matrix_rank(sums, tol=1e-9) == 4 * count
 
 
@@ -369,7 +369,7 @@ def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: list
     result = decide_system(load(*rhs))
     assert (result.verdict, result.deciding.theorem) == (Translation.STABLE, Method.LYAPUNOV)
     assert certificate_of(result)["statement"]["claims"][:2] == [{"stability": "stable"}, {"approaches": "near"}]
-    assert decide_system(load(*(f"-({own})" for own in rhs))).verdict is Translation.UNSTABLE
+    assert decide_system(load(*(f"-({formula})" for formula in rhs))).verdict is Translation.UNSTABLE
 
 
 @pytest.mark.usefixtures("without_reach")
@@ -458,7 +458,7 @@ def test_rates_are_exact_where_they_are_short(rhs: tuple[str, ...], function: st
     assert (rate.decay, rate.kappa) == (DecayKind.EXPONENTIAL, kappa)
     claims = certificate_of(result)["statement"]["claims"]
     assert {"attracts": "everywhere"} in claims
-    assert any(own.get("rate", {}).get("within", "") is None for own in claims)
+    assert any(claim.get("rate", {}).get("within", "") is None for claim in claims)
 
 
 def test_rates_of_several_states_are_near_those_of_solutions() -> None:

@@ -109,7 +109,7 @@ def test_a_value_of_the_function_that_is_too_large_is_rejected() -> None:
     record = certificate(build(TURN), ATTRACTS)
     pieces = record["evidence"][0]["hypotheses"]["function"]
     for piece in pieces:
-        changed = [[mark, "x" if own == piece[1] else own] for mark, own in pieces]
+        changed = [[mark, "x" if text == piece[1] else text] for mark, text in pieces]
         forged = json.loads(json.dumps(record))
         forged["evidence"][0]["hypotheses"]["function"] = changed
         assert refused(forged)
@@ -281,7 +281,9 @@ def test_random_germs_of_curves_that_are_powers(seed: int) -> None:
     filled = []
     for c, r in ARCS:
         y = c * root ** int(4 * r)
-        values = [side * prod(y**q - a * x**p for a, p, q in own) for side, own in zip(signs, factors, strict=True)]
+        values = [
+            side * prod(y**q - a * x**p for a, p, q in curves) for side, curves in zip(signs, factors, strict=True)
+        ]
         filled.append(all(value > 0 for value in values))
     expected = WHOLE if all(filled) else PART if any(filled) else NONE
     one, zero = FIELD.one, FIELD.zero

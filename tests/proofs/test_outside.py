@@ -76,17 +76,17 @@ def test_what_is_said_of_it() -> None:
     assert "no start outside of a polygon of" in record["text"]
     assert re.search(r"of the starts sampled within -[0-9.]+ <= x <= [0-9.]+, -[0-9.]+ <= y <= ", record["text"])
     assert len(record["outside"]["polygon"]) > 20
-    own = certificate(circle)
-    assert any("outside" in claim for claim in own["statement"]["claims"])
-    assert not refused(own)
+    document = certificate(circle)
+    assert any("outside" in claim for claim in document["statement"]["claims"])
+    assert not refused(document)
 
 
 @pytest.mark.parametrize("scale", keep(1, [Fraction(9, 10), Fraction(1, 2)]))
 def test_a_smaller_polygon_is_refused(scale: Fraction) -> None:
     """From between it and the circle all starts come home."""
     forged = certificate(circle)
-    claim = next(own["outside"] for own in forged["statement"]["claims"] if "outside" in own)
-    entry = next(own["hypotheses"] for own in forged["evidence"] if own["theorem"] == "outside")
+    claim = next(c["outside"] for c in forged["statement"]["claims"] if "outside" in c)
+    entry = next(e["hypotheses"] for e in forged["evidence"] if e["theorem"] == "outside")
     claim["unit"] = entry["unit"] = str(Fraction(entry["unit"]) * scale)
     assert refused(forged)
 
@@ -194,26 +194,28 @@ def test_a_trap_about_another_place_of_rest() -> None:
 def test_what_is_said_of_a_trap() -> None:
     """Lower and upper shares, polygons in JSON, and a certificate."""
     record = competition().facts()["basin"]
-    low, high = (float(own) for own in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0])
+    low, high = (
+        float(share) for share in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0]
+    )
     assert re.search(r"no start inside of a polygon about \(-?[0-9.]+, -?[0-9.]+\) does", record["text"])
     assert 0 < low < 50 < high < 100  # the true share is about a half
     assert len(record["traps"]) == 1
-    own = certificate(competition)
-    assert any("no start inside a polygon" in line for line in describe(own["statement"]))
-    assert not refused(own)
+    document = certificate(competition)
+    assert any("no start inside a polygon" in line for line in describe(document["statement"]))
+    assert not refused(document)
 
 
 @pytest.mark.parametrize("way", ["turned over", "about the point", "larger"])
 def test_other_traps_are_refused(way: str) -> None:
     forged = certificate(competition)
-    claim = next(own["outside"] for own in forged["statement"]["claims"] if "outside" in own)
+    claim = next(c["outside"] for c in forged["statement"]["claims"] if "outside" in c)
     corners = list(claim["corners"])
     if way == "turned over":
         corners.reverse()
     elif way == "about the point":
         corners = ["1 -1", "-1 -1", "-1 1", "1 1"]
     else:
-        corners = [f"{2 * int(x)} {2 * int(y)}" for x, y in (own.split(" ") for own in corners)]
+        corners = [f"{2 * int(x)} {2 * int(y)}" for x, y in (corner.split(" ") for corner in corners)]
     claim["corners"] = corners
     for entry in forged["evidence"]:
         if entry["theorem"] == "outside":
@@ -228,7 +230,7 @@ def test_traps_beside_a_pendulum() -> None:
     evidence = with_coarse_region("pendulum", document, Pace(0.08, 0.03, 0.04)).evidence
     basin = evidence.reach.basin
     assert basin is not None
-    assert sorted(own[0] for own, _ in basin.traps) == pytest.approx([-2 * np.pi, 2 * np.pi], abs=1e-3)
+    assert sorted(place[0] for place, _ in basin.traps) == pytest.approx([-2 * np.pi, 2 * np.pi], abs=1e-3)
     _, hypotheses = basin.traps[0]
     system, unit = read_subject(about(evidence.scene)), Fraction(hypotheses["unit"])
     show_outside(system, hypotheses, Proofs({}))
@@ -261,7 +263,7 @@ def comes(field: Callable[[Any, Any], Any], starts: Any) -> Any:
     x = starts.T.copy()
     with np.errstate(all="ignore"):
         for _ in range(STEPS):
-            x = midpoint(lambda own: np.stack(field(*own)), x, STEP)
+            x = midpoint(lambda place: np.stack(field(*place)), x, STEP)
     return np.hypot(*x) < 0.2
 
 
@@ -276,33 +278,35 @@ def test_lines_beside_saddles_bound_the_basin_of_a_spring() -> None:
     """In words, in JSON, in a picture and in a certificate; the true share lies between the lower and the upper one."""
     record, basin = spring().facts()["basin"], spring().evidence.reach.basin
     assert "no start beyond lines beside the saddles (-1, 0) and (1, 0) does" in record["text"]
-    low, high = (float(own) for own in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0])
+    low, high = (
+        float(share) for share in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0]
+    )
     _, coming = basin.sampled
     assert low < 100 * coming / basin.square[2] < high < 1.1 * 100 * coming / basin.square[2]
-    assert sorted(own["at"][0] for own in record["saddles"]) == pytest.approx([-1, 1], abs=1e-5)
-    assert {len(own["ends"]) for own in record["saddles"]} == {2}
+    assert sorted(saddle["at"][0] for saddle in record["saddles"]) == pytest.approx([-1, 1], abs=1e-5)
+    assert {len(saddle["ends"]) for saddle in record["saddles"]} == {2}
     axes = spring().plot()
     assert axes.get_xlim() == pytest.approx(basin.window[0])
-    own = certificate(spring)
-    assert sum("no start to the right of a line" in line for line in describe(own["statement"])) == 2
-    assert not refused(own)
+    document = certificate(spring)
+    assert sum("no start to the right of a line" in line for line in describe(document["statement"])) == 2
+    assert not refused(document)
 
 
 @pytest.mark.parametrize("way", ["back", "nearer", "ends turned", "ends exchanged", "without ends"])
 def test_other_lines_are_refused(way: str) -> None:
     forged = certificate(spring)
-    entry = next(own["hypotheses"] for own in forged["evidence"] if own["theorem"] == "outside")
+    entry = next(e["hypotheses"] for e in forged["evidence"] if e["theorem"] == "outside")
     if way == "back":
         entry.update(corners=entry["corners"][::-1], ends=entry["ends"][::-1])
     elif way == "nearer":
         entry["unit"] = str(Fraction(entry["unit"]) * Fraction(49, 50))
     elif way == "ends turned":
-        entry["ends"] = [" ".join(str(-int(x)) for x in own.split(" ")) for own in entry["ends"]]
+        entry["ends"] = [" ".join(str(-int(x)) for x in end.split(" ")) for end in entry["ends"]]
     elif way == "ends exchanged":
         entry["ends"] = entry["ends"][::-1]
     else:
         del entry["ends"]
-    next(own["outside"] for own in forged["statement"]["claims"] if "outside" in own).update(
+    next(claim["outside"] for claim in forged["statement"]["claims"] if "outside" in claim).update(
         {key: entry[key] for key in ("unit", "corners", *(["ends"] if "ends" in entry else []))}
     )
     assert refused(forged)
@@ -380,7 +384,7 @@ def test_polygons_about_a_field_that_repeats_itself_have_few_corners() -> None:
     border = 2.5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     found = find_traps(system, [], border, Pace(0.04, 0.012, 0.04), 300)
     assert sorted(round(place[0]) for place, _ in found) == [-6, 6]
-    assert all(len(own["corners"]) < 500 for _, own in found)
-    for place, own in found:
-        spread = ring_of(own) - place
+    assert all(len(polygon["corners"]) < 500 for _, polygon in found)
+    for place, polygon in found:
+        spread = ring_of(polygon) - place
         assert np.abs(spread).max() > 4

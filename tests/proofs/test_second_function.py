@@ -71,8 +71,14 @@ def shown_by(rhs: Any, function: str, states: str, radius: str | None, more: Rec
     if "direction" in more:
         entry, shown = search.entry(read_system(subject), "instability", {**hypotheses, **more})
     else:
-        own = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
-        entry, shown = search.entry(read_system(subject), "lyapunov", {**hypotheses, **own, **more})
+        defaults = {
+            "verdict": "asymptotically stable",
+            "everywhere": False,
+            "level": None,
+            "below": False,
+            "rate": None,
+        }
+        entry, shown = search.entry(read_system(subject), "lyapunov", {**hypotheses, **defaults, **more})
     return {"version": VERSION, "statement": {"subject": subject, "claims": shown}, "evidence": [entry]}
 
 

@@ -124,7 +124,7 @@ def test_random_text_is_refused_or_has_the_value_that_python_gives_it(number: in
     field, read, refused = NumberField(), 0, 0
     point = {"x": Fraction(2, 3), "y": Fraction(-5, 7)}
     there = tuple(map(field, point.values()))
-    names = {name: float(own) for name, own in point.items()}
+    names = {name: float(coordinate) for name, coordinate in point.items()}
     values = {name: Polynomial.variable(field, PLANE, name) for name in PLANE}
 
     @settings(max_examples=number)

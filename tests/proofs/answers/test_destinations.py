@@ -420,8 +420,8 @@ def test_bodies_on_one_side_of_a_line_never_come_back_over_it(rule: str, seed: i
     accuracy, body, rng = float(scene.accuracy), SmallSteps(table), np.random.default_rng(0)
     places = accuracy * rng.uniform(-0.7, 0.7, (300, 2))
     velocities = np.array([body.velocity(place) for place in places]).reshape(-1, 2)
-    directions = [np.array([float(x) for x in own]) for own in _directions(cells)]
-    least = [(velocities[places @ own > 0] @ own).min() for own in directions]
+    directions = [np.array([float(x) for x in direction]) for direction in _directions(cells)]
+    least = [(velocities[places @ direction > 0] @ direction).min() for direction in directions]
     assert max(least) > 0
 
 

@@ -454,19 +454,19 @@ def system(states: Sequence[str], rhs: Sequence[str]) -> SwitchedSystem:
 
 def test_no_function_that_falls_is_proposed_beside_places_of_rest() -> None:
     """Both searches took 45 s of a processor here, and could find nothing."""
-    own = system("xyz", ["-2*x + 3*x*sin(z)/2", "-2*x - x*y", "-z + 2*x*sign(y)"])
-    assert not any(True for positive in (True, False) for _ in proposals(own, positive=positive))
+    switched_system = system("xyz", ["-2*x + 3*x*sin(z)/2", "-2*x - x*y", "-z + 2*x*sign(y)"])
+    assert not any(True for positive in (True, False) for _ in proposals(switched_system, positive=positive))
 
 
 @pytest.mark.parametrize(
     "rhs", [CHAIN, ["y - sgn(x)", "-y - Abs(x - y)", "-z + Max(y, 0)"], ["-x + z*Abs(y)", "-y", "-z"]]
 )
 def test_a_family_that_holds_another_has_the_larger_program(rhs: list[str]) -> None:
-    own = system("xyz", rhs)
-    cells = build_cells(own, own.check.radius)
+    switched_system = system("xyz", rhs)
+    cells = build_cells(switched_system, switched_system.check.radius)
     bases = list(families(cells))
     assert len(bases) > 1
-    sizes = [program_size(own, cells, basis) for basis in bases]
+    sizes = [program_size(switched_system, cells, basis) for basis in bases]
     for (small, size), (large, other) in itertools.permutations(zip(bases, sizes, strict=True), 2):
         assert size <= other or not set(small) <= set(large)
 
@@ -488,26 +488,26 @@ def test_relays_are_decided_though_their_mixtures_are_not_looked_at(
 
     monkeypatch.setattr(second_function, "MOST_MIXTURES", most)
     monkeypatch.setattr(second_function, "extreme_velocities", few_looked_at)
-    rhs = ["-2*sgn(a) - a", *(f"-2*sgn({own}) + sgn({before})/2" for before, own in itertools.pairwise(states))]
+    rhs = ["-2*sgn(a) - a", *(f"-2*sgn({state}) + sgn({before})/2" for before, state in itertools.pairwise(states))]
     assert decide_system(system(states, rhs)).verdict is ATTRACTS
 
 
-def program_size(own: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction]) -> int:
-    above, falling, _ = lyapunov_search._problems(own, cells.radius, tuple(basis))
+def program_size(switched_system: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction]) -> int:
+    above, falling, _ = lyapunov_search._problems(switched_system, cells.radius, tuple(basis))
     return sum(gram_entries(blocks) for _, blocks in [*above, *falling])
 
 
 def test_programs_that_hold_one_that_is_too_large_are_not_built(monkeypatch: pytest.MonkeyPatch) -> None:
     """In eight states with nine switching surfaces they took more than five minutes, and were thrown away."""
-    own, sizes, build = system("xyz", CHAIN), list[int](), lyapunov_search._problems
+    switched_system, sizes, build = system("xyz", CHAIN), list[int](), lyapunov_search._problems
 
     def counted(*given: Any, **named: Any) -> Any:
         sizes.append(len(given[2]))
         return build(*given, **named)
 
     monkeypatch.setattr(lyapunov_search, "_problems", counted)
-    assert not list(proposals(own, positive=True, entries=range(1)))
-    assert set(sizes) == {len(next(families(build_cells(own, own.check.radius))))}
+    assert not list(proposals(switched_system, positive=True, entries=range(1)))
+    assert set(sizes) == {len(next(families(build_cells(switched_system, switched_system.check.radius))))}
 
 
 @pytest.mark.parametrize(("states", "rhs"), RESTS)

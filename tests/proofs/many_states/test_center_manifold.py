@@ -274,7 +274,7 @@ def test_what_is_kept_is_an_integral() -> None:
     assert found is not None
     x, y, u = states = sympy.symbols("x y u")
     potential = sympy.sympify(found.formula.text).subs(dict(zip(states, (x - 1, y - 1, u - 1), strict=True)))
-    rate = sum(potential.diff(own) * sympy.sympify(field) for own, field in zip(states, rhs, strict=True))
+    rate = sum(potential.diff(state) * sympy.sympify(field) for state, field in zip(states, rhs, strict=True))
     assert sympy.expand(rate) == 0
     hessian = np.array(sympy.hessian(potential, states).subs(dict.fromkeys(states, 1)), dtype=float)
     assert np.linalg.eigvalsh(hessian).min() > 0

@@ -247,20 +247,20 @@ def test_the_entry_that_binds_is_that_without_which_the_factor_grows_most(
     """Of a statement that holds below a weighted sum the largest share binds, which few boxes tell."""
     box, asked = table(tmp_path).tolerances, 0
     assert box is not None
-    own = {name: float(getattr(box, name)) for name in box.names}
+    sizes = {name: float(getattr(box, name)) for name in box.names}
 
     def holds(other: Tolerance) -> bool:
         nonlocal asked
         asked += 1
-        shares = (float(getattr(other, name)) / own[name] for name in own)
+        shares = (float(getattr(other, name)) / sizes[name] for name in sizes)
         return sum(weight * share for weight, share in zip(weights, shares, strict=True)) <= 10
 
     factor = largest_factor(holds, box)
     assert float(factor) == pytest.approx(10 / sum(weights), rel=0.02) or (factor == 0 and weights[0] == 1e4)
     asked = 0
     binding = binding_entry(holds, box, factor)
-    assert binding == (None if not factor else max(own, key=lambda name: weights[list(own).index(name)]))
-    assert asked <= 4 * len(own)
+    assert binding == (None if not factor else max(sizes, key=lambda name: weights[list(sizes).index(name)]))
+    assert asked <= 4 * len(sizes)
 
 
 # ---- Rule ``box`` over boxes of parameters, against arrays drawn from them: minimizers by a linear program, and

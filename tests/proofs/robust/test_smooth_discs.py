@@ -500,10 +500,10 @@ def test_powers_and_wrenches_of_drawn_arrays_lie_in_those_of_the_box(name: str) 
         middle = 2 * np.pi * float(piece.start + piece.width / 2)
         frame = np.array([[np.cos(middle), np.sin(middle)], [-np.sin(middle), np.cos(middle)]])
         twist = rng.normal(size=3)  # along the frame
-        own = [Intervals.of(np.array([[value]])) for value in twist]
+        components = [Intervals.of(np.array([[value]])) for value in twist]
         pieces = PieceForces.of(bound, [piece])
-        forces = pieces.forces((own[0], own[1], own[2]))
-        enclosed = (pieces.power(forces, (own[0], own[1], own[2])), *pieces.wrench(forces))
+        forces = pieces.forces((components[0], components[1], components[2]))
+        enclosed = (pieces.power(forces, (components[0], components[1], components[2])), *pieces.wrench(forces))
         for _ in range(20):
             model = drawn_model(scene, box, rng, corner=bool(rng.integers(2)))
             angle = 2 * np.pi * (float(piece.start) + rng.uniform(0, float(width)))

@@ -233,7 +233,7 @@ def test_monomials_are_those_of_the_newton_polyhedron_and_of_half_the_polytope(s
     for _ in range(12):
         support = set(rng.sample(monomials_between(2, 2, 6), rng.randint(1, 5)))
         lines = [(b[1] - a[1], a[0] - b[0]) for a, b in permutations(support, 2)] + [(1, 0), (0, 1), (-1, 0), (0, -1)]
-        upward = [own for own in lines if min(own) >= 0]
+        upward = [normal for normal in lines if min(normal) >= 0]
         product = dict.fromkeys([(0, 0), *rng.sample(monomials_between(2, 1, 2), 2)], fmpq(1))
         blocks = [
             Block((), {(0, 0): fmpq(1)}, monomials_between(2, 0, 3)),
@@ -249,7 +249,7 @@ def test_monomials_are_those_of_the_newton_polyhedron_and_of_half_the_polytope(s
 def lies_in(support: Collection[Exponents], normals: Sequence[Exponents], m: Exponents, e: Exponents) -> bool:
     """Whether ``2 m + e`` lies beyond the support along every one of some normals."""
     place = tuple(2 * a + b for a, b in zip(m, e, strict=True))
-    return all(dot(normal, place) >= min(dot(normal, own) for own in support) for normal in normals)
+    return all(dot(normal, place) >= min(dot(normal, exponents) for exponents in support) for normal in normals)
 
 
 def test_guards_that_vanish_at_the_origin_may_cancel_what_lies_beneath() -> None:
