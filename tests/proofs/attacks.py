@@ -108,13 +108,13 @@ def of_bounds() -> list[Record]:
 
 def of_basins() -> list[Record]:
     """Nothing but the triangles of arrays."""
-    found = []
+    records = []
     for record in of_arrays():
         entries = [entry for entry in record["evidence"] if entry["theorem"] == "basin"]
         claims = [claim for claim in record["statement"]["claims"] if {"attracts", "ends"} & set(claim)]
         if entries:
-            found.append({**record, "statement": {**record["statement"], "claims": claims}, "evidence": entries})
-    return found
+            records.append({**record, "statement": {**record["statement"], "claims": claims}, "evidence": entries})
+    return records
 
 
 def of_ties(count: int = TIED) -> list[Record]:

@@ -69,7 +69,7 @@ def _surface(wheel: Wheel) -> Vector:
 
 def _slips(scene: Scene, region: LoadRegion, omega: Number) -> list[_Slip] | None:
     """The loaded wheels that have friction; None where one of them sticks, or is between arc and corner."""
-    found: list[_Slip] = []
+    slips: list[_Slip] = []
     rule = smooth_rule_of(scene)
     for wheel, load in zip(scene.wheels, region.forces, strict=True):
         limits = rule.friction_set(wheel.friction)
@@ -78,8 +78,8 @@ def _slips(scene: Scene, region: LoadRegion, omega: Number) -> list[_Slip] | Non
         slip = _slip(wheel, load, limits, omega)
         if slip is None:
             return None
-        found.append(slip)
-    return found
+        slips.append(slip)
+    return slips
 
 
 def _slip(wheel: Wheel, load: Affine, limits: FrictionSet, omega: Number) -> _Slip | None:

@@ -160,9 +160,9 @@ def test_an_ellipse_stays_left_of_a_side() -> None:
         least = p * x * x + 2 * q * x * y + s * y * y
         form = Form(*(field.rational(n) for n in (p, q, s)))
         corners = [tuple(field.rational(n) for n in end) for end in (a, b)]
-        (found,) = form.margins(field.rational(level), [(corners[0], corners[1])], whole=False)
-        assert found == (least > level) - (least < level)
-        met.add((share if share in (0, 1) else None, found))
+        (side,) = form.margins(field.rational(level), [(corners[0], corners[1])], whole=False)
+        assert side == (least > level) - (least < level)
+        met.add((share if share in (0, 1) else None, side))
 
 
 def test_one_wheel_point_or_cell_to_a_line(arrays: Arrays) -> None:
@@ -313,13 +313,13 @@ def test_a_larger_disc_than_v_allows_is_rejected(growing: CellCheck) -> None:
 @thorough  # the small one: test_each_built_in_scene_has_a_valid_certificate
 def test_verdicts_of_random_arrays_are_certified(arrays: Arrays) -> None:
     """All kinds of verdicts occur."""
-    found = set[Translation]()
+    verdicts = set[Translation]()
     for seed in range(8):
         for scene in (arrays.random(seed, 3 + seed % 4), arrays.cocircular(seed)):
             result = check_cells(scene)
             assert build_certificate(result)
-            found.add(result.translation.verdict)
-    assert {Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE} <= found
+            verdicts.add(result.translation.verdict)
+    assert {Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE} <= verdicts
 
 
 def test_extreme_scales_are_certified(arrays: Arrays) -> None:

@@ -110,8 +110,8 @@ def test_the_linearization_against_the_minimizer(name: str) -> None:
     columns = np.array([[float(x) for x in column] for column in point.linearization.columns])
     directions = NEAR * np.array([(1.0, 0.0), (0.0, 1.0), (0.6, -0.8)])
     predicted = directions @ columns
-    found = twists_near(scene, directions)
-    assert np.abs(found - predicted).max() < 2e-2 * np.abs(predicted).max()
+    twists = twists_near(scene, directions)
+    assert np.abs(twists - predicted).max() < 2e-2 * np.abs(predicted).max()
 
 
 def test_without_bearing_friction_nothing_bends_and_the_point_is_open() -> None:
@@ -240,8 +240,8 @@ def test_speeds_impose_their_twists(name: str, ratio: Fraction) -> None:
     for cone in feedback.cones:
         towards = (0.0, 0.0) if cone.rays is None else tuple(float(x) for x in plus(*cone.rays))
         for imposed in cone.twists:
-            found = twists_near(scene, 1e-2 * np.array([towards]), np.array(rim_speeds(scene, imposed)))
-            assert np.abs(found[0] - [float(x) for x in imposed.twist]).max() < IMPOSED
+            twists = twists_near(scene, 1e-2 * np.array([towards]), np.array(rim_speeds(scene, imposed)))
+            assert np.abs(twists[0] - [float(x) for x in imposed.twist]).max() < IMPOSED
 
 
 def test_boxes_inside_the_sets_prove_what_forces_leave_open() -> None:
@@ -258,8 +258,8 @@ def test_what_forces_prove_no_separator_excludes(arrays: Arrays) -> None:
     balanced = [balance_twist(scene, region, twist) for twist in candidate_twists(scene)]
     unique = [one for one in balanced if one.is_unique]
     for one in unique:
-        found = twists_near(scene, np.zeros((1, 2)), np.array(rim_speeds(scene, one)))
-        assert np.abs(found[0] - [float(x) for x in one.twist]).max() < IMPOSED
+        twists = twists_near(scene, np.zeros((1, 2)), np.array(rim_speeds(scene, one)))
+        assert np.abs(twists[0] - [float(x) for x in one.twist]).max() < IMPOSED
     assert not exclude_twist(unique[0]).is_excluded
 
 

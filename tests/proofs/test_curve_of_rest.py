@@ -68,13 +68,13 @@ def _random_field(source: random.Random, count: int) -> list[Polynomial]:
     """A field that rests where all states but the first are zero, and is stable across that line."""
 
     def terms(number: int) -> Polynomial:
-        found = constant(count, 0)
+        polynomial = constant(count, 0)
         for _ in range(number):
             term = constant(count, Fraction(source.randint(-4, 4), 2))
             for _ in range(source.randint(1, 2)):
                 term *= variable(count, source.randrange(count))
-            found += term * variable(count, source.randrange(1, count))
-        return found
+            polynomial += term * variable(count, source.randrange(1, count))
+        return polynomial
 
     return [terms(3), *(terms(3) - variable(count, k, 2) for k in range(1, count))]
 
@@ -87,14 +87,14 @@ def _across(value: Polynomial) -> int:
 @pytest.mark.parametrize("count", [2, 3])
 def test_the_derivative_of_v_is_of_degree_two_across_the_line(count: int) -> None:
     """It has no terms that the square of the distance from the line does not outweigh."""
-    found = 0
+    number = 0
     for seed in range(40):
         field = _random_field(random.Random(seed), count)
         curve = curve_of_rest(field)
         for function in curve.functions() if curve is not None else ():
             assert _across(lie_derivative(function, field)) >= 2
-            found += 1
-    assert found > 40
+            number += 1
+    assert number > 40
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 4])

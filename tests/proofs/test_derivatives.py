@@ -107,8 +107,8 @@ def test_suprema_over_the_plane(
 ) -> None:
     result = examined(load_system(name), lyapunov)
     assert result.verdict is verdict
-    found = [result.supremum(kind).value for kind in ("naive", "shevitz_paden", "bacciotti_ceragioli")]
-    assert [str(value) for value in found] == [str(value) for value in (naive, shevitz_paden, bacciotti_ceragioli)]
+    suprema = [result.supremum(kind).value for kind in ("naive", "shevitz_paden", "bacciotti_ceragioli")]
+    assert [str(value) for value in suprema] == [str(value) for value in (naive, shevitz_paden, bacciotti_ceragioli)]
 
 
 def test_the_ladder_at_the_equilibrium_itself() -> None:
@@ -133,8 +133,8 @@ def test_smooth_v_needs_no_surfaces() -> None:
 
 def largest(costs: Sequence[float], rows: Sequence[Sequence[float]], rhs: Sequence[float]) -> float | None:
     """Maximum over convex weights with equations; None where there are none."""
-    found = linprog(-np.array(costs), A_eq=np.array([*rows, np.ones(len(costs))]), b_eq=[*rhs, 1], bounds=(0, None))
-    return -found.fun if found.success else None
+    solution = linprog(-np.array(costs), A_eq=np.array([*rows, np.ones(len(costs))]), b_eq=[*rhs, 1], bounds=(0, None))
+    return -solution.fun if solution.success else None
 
 
 def common_values(velocities: list[Vector], gradients: list[Vector]) -> Bounds:
@@ -151,7 +151,7 @@ def intersected_values(velocities: list[Vector], gradients: list[Vector]) -> Bou
     count = products.shape[1]
 
     def game(sign: int) -> float:
-        found = linprog(
+        solution = linprog(
             [0] * count + [-sign],
             A_ub=np.hstack([-sign * products, np.full((len(products), 1), sign)]),
             b_ub=np.zeros(len(products)),
@@ -159,7 +159,7 @@ def intersected_values(velocities: list[Vector], gradients: list[Vector]) -> Bou
             b_eq=[1],
             bounds=[(0, None)] * count + [(None, None)],
         )
-        return float(found.x[-1])
+        return float(solution.x[-1])
 
     low, high = game(-1), game(1)
     return (low, high) if low <= high + SOLVER_ERROR else None
@@ -175,19 +175,19 @@ def test_ladder_against_linear_programs(velocities: list[Vector], gradients: lis
     ladder = ladder_at(*exact)
     products = [a * c + b * d for a, b in velocities for c, d in gradients]
     assert (ladder.naive.low, ladder.naive.high) == (min(products), max(products))
-    for found, expected in (
+    for interval, expected in (
         (ladder.shevitz_paden, intersected_values(velocities, gradients)),
         (ladder.bacciotti_ceragioli, common_values(velocities, gradients)),
     ):
-        agrees(found, expected)
+        agrees(interval, expected)
     inside(ladder.bacciotti_ceragioli, ladder.shevitz_paden)
     inside(ladder.shevitz_paden, ladder.naive)
 
 
-def agrees(found: Interval | None, expected: Bounds) -> None:
-    assert (found is None) == (expected is None)
-    if found is not None and expected is not None:
-        assert [float(found.low), float(found.high)] == pytest.approx(expected, abs=SOLVER_ERROR)
+def agrees(interval: Interval | None, expected: Bounds) -> None:
+    assert (interval is None) == (expected is None)
+    if interval is not None and expected is not None:
+        assert [float(interval.low), float(interval.high)] == pytest.approx(expected, abs=SOLVER_ERROR)
 
 
 def inside(inner: Interval | None, outer: Interval | None) -> None:

@@ -54,15 +54,15 @@ def checked(rhs: tuple[str, str], lyapunov: str) -> StabilityResult:
 def disturbed(rhs: tuple[str, str], lyapunov: str, starts: np.ndarray, delta: float, until: float) -> np.ndarray:
     """V along polygons of ``x' = f + d``, d in each step the one of 24 directions that leaves V largest."""
     x, y = starts.T
-    found = [value(lyapunov, x=x, y=y)]
+    values = [value(lyapunov, x=x, y=y)]
     for _ in range(int(until / STEP)):
         f, g = (value(text, x=x, y=y) for text in rhs)
         xs = x + STEP * (f + delta * DIRECTIONS[:, :1])
         ys = y + STEP * (g + delta * DIRECTIONS[:, 1:])
         best = np.argmax(value(lyapunov, x=xs, y=ys), axis=0)
         x, y = xs[best, np.arange(len(x))], ys[best, np.arange(len(x))]
-        found.append(value(lyapunov, x=x, y=y))
-    return np.array(found)
+        values.append(value(lyapunov, x=x, y=y))
+    return np.array(values)
 
 
 @pytest.mark.usefixtures("without_far_starts")

@@ -61,8 +61,8 @@ def certificate(name: str) -> Record:
     entry, claims = show_escape_of(system, UNSTABLE)
     sides = [list(side) for side in ([rhs] if isinstance(rhs[0], str) else rhs)]
     subject = {"states": states.split(), "rhs": sides, "at": ["0"] * len(states.split())}
-    found = {"version": VERSION, "statement": {"subject": subject, "claims": claims}, "evidence": [entry]}
-    return json.loads(json.dumps(found))
+    record = {"version": VERSION, "statement": {"subject": subject, "claims": claims}, "evidence": [entry]}
+    return json.loads(json.dumps(record))
 
 
 @pytest.mark.parametrize("name", but(["a state that adds up one that creeps home", "beside a slow curve"], LEAVING))

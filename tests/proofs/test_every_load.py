@@ -95,15 +95,15 @@ def admissible_at(scene: Scene, points: Floats, rng: np.random.Generator) -> Flo
     from scipy.optimize import linprog
 
     moments = np.array([[1.0, *map(float, wheel.position)] for wheel in scene.wheels])
-    found = []
+    loads = []
     for point in points:
         draws = [
             linprog(rng.normal(size=len(moments)), A_eq=moments.T, b_eq=[1, *point], bounds=(0, None)).x
             for _ in range(2)
         ]
         share = rng.choice([0.0, rng.random()])
-        found.append(np.maximum(share * draws[0] + (1 - share) * draws[1], 0))
-    return np.array(found)
+        loads.append(np.maximum(share * draws[0] + (1 - share) * draws[1], 0))
+    return np.array(loads)
 
 
 # ---- rollers that turn freely ----------------------------------------------------------------
@@ -605,8 +605,8 @@ def minimum(driven: ContactRows) -> Floats:
     """The minimizer of D for equal loads, by a general method."""
     from scipy.optimize import minimize
 
-    found = minimize(lambda xi: np.hypot(*driven.slips(xi).T).sum(), np.zeros(3), method="Nelder-Mead", tol=1e-12)
-    point: Floats = found.x
+    solution = minimize(lambda xi: np.hypot(*driven.slips(xi).T).sum(), np.zeros(3), method="Nelder-Mead", tol=1e-12)
+    point: Floats = solution.x
     return point
 
 

@@ -298,8 +298,8 @@ def test_the_oracle_of_further_functions_sees_another_system() -> None:
 
 def other_claim(original: Record, source: random.Random) -> Record:
     """A certificate of which one word or number of a claim is another one of its kind."""
-    found = copy.deepcopy(original)
-    claim = source.choice(found["statement"]["claims"])
+    forged = copy.deepcopy(original)
+    claim = source.choice(forged["statement"]["claims"])
     ((kind, about),) = claim.items()
     numbers = [
         (holder, key) for holder, key in leaves(claim) if isinstance(holder[key], str) and is_number(holder[key])
@@ -309,7 +309,7 @@ def other_claim(original: Record, source: random.Random) -> Record:
     elif numbers:
         holder, key = source.choice(numbers)
         holder[key] = source.choice(other_numbers(holder[key], source))
-    return found
+    return forged
 
 
 OTHER = {

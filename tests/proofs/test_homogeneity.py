@@ -44,11 +44,11 @@ NOT = [
 
 @pytest.mark.parametrize(("rhs", "weights", "degree"), KNOWN)
 def test_weights_and_degrees_are_known(rhs: list[str], weights: list[str], degree: str) -> None:
-    found = homogeneity_of(built(rhs))
-    assert found is not None
-    scale = Fraction(weights[0]) / found.weights[0]
-    assert [w * scale for w in found.weights] == list(map(Fraction, weights))
-    assert found.degree * scale == Fraction(degree)
+    homogeneity = homogeneity_of(built(rhs))
+    assert homogeneity is not None
+    scale = Fraction(weights[0]) / homogeneity.weights[0]
+    assert [w * scale for w in homogeneity.weights] == list(map(Fraction, weights))
+    assert homogeneity.degree * scale == Fraction(degree)
 
 
 @pytest.mark.parametrize("rhs", NOT)

@@ -141,10 +141,10 @@ def test_what_stays_near_is_not_called_unstable(rhs: str) -> None:
 @pytest.fixture(scope="module")
 def by_factors() -> dict[str, Any]:
     system = ns.System(["x", "y"], ["y", "sign(x) - sign(y)"]).system
-    found = find_growing_product(system)
-    assert found is not None
+    entry = find_growing_product(system)
+    assert entry is not None
     statement = {"subject": about(system), "claims": [{"stability": "unstable"}]}
-    certificate = {"version": VERSION, "statement": statement, "evidence": [found]}
+    certificate = {"version": VERSION, "statement": statement, "evidence": [entry]}
     assert not refusal(certificate, SIZE)
     return certificate
 
@@ -270,8 +270,8 @@ def checked(rhs: tuple[str, ...], lyapunov: str | None = None) -> Any:
 
 @cache
 def certificate() -> dict[str, Any]:
-    found: dict[str, Any] = checked(tuple(NO_POLYNOMIAL), V).certificate()
-    return found
+    record: dict[str, Any] = checked(tuple(NO_POLYNOMIAL), V).certificate()
+    return record
 
 
 def refused(changed: dict[str, Any]) -> str:
@@ -385,7 +385,7 @@ CENTRE = "-sign(x) + x*y"  # turned by (x, t) -> (-x, -t) into itself: all orbit
 
 def half_turns(force: Force, y: float = 0.3, step: float = 1e-4) -> list[float]:
     """The speeds at which x passes 0, by the midpoint rule on each side of it."""
-    x, found = 0.0, list[float]()
+    x, speeds = 0.0, list[float]()
     for _ in range(200_000):
         if abs(y) > 1:
             break
@@ -393,10 +393,10 @@ def half_turns(force: Force, y: float = 0.3, step: float = 1e-4) -> list[float]:
         middle = x + step / 2 * y, y + step / 2 * force(side * max(abs(x), 1e-12), y)
         after = x + step * middle[1], y + step * force(side * max(side * middle[0], 1e-12), middle[1])
         if after[0] * side < 0:
-            found.append(abs(after[1]))
+            speeds.append(abs(after[1]))
             after = 0.0, after[1]
         x, y = after
-    return found
+    return speeds
 
 
 def verdict_by_weights(force: str) -> str:

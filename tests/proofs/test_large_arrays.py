@@ -191,8 +191,8 @@ def test_plain_directions_never_reach_the_formula_parser(monkeypatch: pytest.Mon
 def test_equilibria_are_judged_among_few_wheels(arrays: Arrays, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each of them built a partition of the whole array before."""
     scene = arrays.grid(20, 20, radius=2).recentred()
-    found = find_equilibria(build_nearest_partition(scene))
-    assert found
+    equilibria = find_equilibria(build_nearest_partition(scene))
+    assert equilibria
     sizes: list[int] = []
     build = build_partition
 
@@ -201,7 +201,7 @@ def test_equilibria_are_judged_among_few_wheels(arrays: Arrays, monkeypatch: pyt
         return build(array, **options)
 
     monkeypatch.setattr(theorem4, "build_partition", counted)
-    theorem4.judge_equilibria(scene, found)
+    theorem4.judge_equilibria(scene, equilibria)
     assert sizes
     assert max(sizes) < 30
 

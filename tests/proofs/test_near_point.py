@@ -78,8 +78,8 @@ def build(rhs: list[str]) -> SwitchedSystem:
 def certificate(system: SwitchedSystem, verdict: str) -> Record:
     entry, claims = show_verdict(system, verdict)
     assert {"stability": verdict} in claims
-    found = {"version": VERSION, "statement": {"subject": about(system), "claims": claims}, "evidence": [entry]}
-    return json.loads(json.dumps(found))
+    record = {"version": VERSION, "statement": {"subject": about(system), "claims": claims}, "evidence": [entry]}
+    return json.loads(json.dumps(record))
 
 
 LONG = ["turns inward, curved", "twisting outward", "slides home where it repels", "relay that is pushed"]
@@ -161,13 +161,13 @@ def test_patterns_without_points_are_those_of_a_fine_grid() -> None:
     system = build(["-sign(y - x**2) + sign(x - y**3)", "-sign(x**2 + y**2 - 2)"])
     search, subject = Search(), read_system(about(system))
     stated = stated_cells(system, system.check.radius)
-    found = sharpened(stated, subject, search)
+    sharper = sharpened(stated, subject, search)
     line = np.linspace(-0.5, 0.5, 202)
     x, y = np.meshgrid(line, line)
     signs = np.stack([y - x**2, x - y**3, x**2 + y**2 - 2], axis=-1).reshape(-1, 3) > 0
     occurring = len(np.unique(signs, axis=0))
     assert len(Inclusion(subject, stated.record, [], search).cells) == 8
-    assert len(Inclusion(subject, found.record, [], search).cells) == occurring == 4
+    assert len(Inclusion(subject, sharper.record, [], search).cells) == occurring == 4
 
 
 def test_directions_lead() -> None:

@@ -55,8 +55,8 @@ def text_of(check: Callable[[], Any]) -> str:
 
 def certificate(check: Callable[[], Any]) -> dict[str, Any]:
     """A certificate of a check, to be changed."""
-    found: dict[str, Any] = json.loads(text_of(check))
-    return found
+    record: dict[str, Any] = json.loads(text_of(check))
+    return record
 
 
 def test_the_polygon_is_around_the_circle() -> None:
@@ -331,9 +331,9 @@ def test_no_start_beyond_a_line_comes(name: str) -> None:
     system = read_subject({"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]})
     angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
     border = 0.8 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    found = find_borders(system, surfaces, border, Pace(0.04, 0.012, 0.04))
-    assert found
-    for saddle, hypotheses in found:
+    borders = find_borders(system, surfaces, border, Pace(0.04, 0.012, 0.04))
+    assert borders
+    for saddle, hypotheses in borders:
         random = np.random.default_rng(1)
         starts = np.concatenate([random.uniform(-2, 2, (300, 2)), saddle + random.normal(0, 0.05, (300, 2))])
         before = left_of(hypotheses, starts)
@@ -382,9 +382,9 @@ def test_polygons_about_a_field_that_repeats_itself_have_few_corners() -> None:
     system = read_subject({"states": ["x", "y"], "rhs": rhs, "at": ["0", "0"]})
     angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
     border = 2.5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    found = find_traps(system, [], border, Pace(0.04, 0.012, 0.04), 300)
-    assert sorted(round(place[0]) for place, _ in found) == [-6, 6]
-    assert all(len(polygon["corners"]) < 500 for _, polygon in found)
-    for place, polygon in found:
+    traps = find_traps(system, [], border, Pace(0.04, 0.012, 0.04), 300)
+    assert sorted(round(place[0]) for place, _ in traps) == [-6, 6]
+    assert all(len(polygon["corners"]) < 500 for _, polygon in traps)
+    for place, polygon in traps:
         spread = ring_of(polygon) - place
         assert np.abs(spread).max() > 4

@@ -87,8 +87,8 @@ def test_weights_on_a_side() -> None:
         whole, forms = barycentric((a, b))
         for share in (Fraction(0), Fraction(1, 3), Fraction(1)):
             x, y = (p + share * (q - p) for p, q in zip(a, b, strict=True))
-            found = [sum(c * x**i * y**j for (i, j), c in form.items()) / whole for form in forms]
-            assert found == [1 - share, share]
+            weights = [sum(c * x**i * y**j for (i, j), c in form.items()) / whole for form in forms]
+            assert weights == [1 - share, share]
 
 
 def test_series_hold_sines_and_cosines() -> None:

@@ -195,12 +195,12 @@ def closed_form(k1: str, k2: str) -> tuple[list[tuple[mpf, mpf]], mpf]:
         w = mp.sqrt(2 * k - a * a)
         first = mp.findroot(lambda s: mp.cos(w * s) + a / w * mp.sin(w * s), mpf(2) / w)
         y = -2 * k / w * mp.exp(a * first) * mp.sin(w * first)
-        t, ratio, found = -y / k, -mp.exp(a * mp.pi / w), []
+        t, ratio, crossings = -y / k, -mp.exp(a * mp.pi / w), []
         for _ in range(6):
-            found.append((t, y))
+            crossings.append((t, y))
             t, y = t + abs(ratio * y - y) / k, ratio * y
-        last, height = found[0]
-        return found, last + abs(height) * (1 - ratio) / k / (1 + ratio)
+        last, height = crossings[0]
+        return crossings, last + abs(height) * (1 - ratio) / k / (1 + ratio)
 
 
 @pytest.mark.parametrize(("k1", "k2"), [("1.5", "1.1"), pytest.param("0.8", "2", marks=thorough)])

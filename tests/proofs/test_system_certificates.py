@@ -70,8 +70,8 @@ def text_of(name: str) -> str:
 
 
 def record_of(name: str) -> Record:
-    found: Record = json.loads(text_of(name))
-    return found
+    record: Record = json.loads(text_of(name))
+    return record
 
 
 # ---- what is true --------------------------------------------------------------------------------

@@ -58,8 +58,8 @@ BLOCKS, UNTIED_BLOCKS = 30, 10
 def compare(arrays: Arrays, wheels: list[Wheel], seed: int) -> Translation:
     result = decide_translation(build_nearest_partition(scene_of(arrays, wheels)))
     assert evidence_holds(result)
-    found = contradiction(result, observe(wheels, seed=seed))
-    assert not found, f"seed {seed}: {found}; {wheels}"
+    reason = contradiction(result, observe(wheels, seed=seed))
+    assert not reason, f"seed {seed}: {reason}; {wheels}"
     return result.verdict
 
 
@@ -141,8 +141,8 @@ def test_verdicts_at_corners_of_cells_agree_with_paths(arrays: Arrays, block: in
         wheels, at, partition = tied_box(arrays, seed)
         result = decide_translation(partition)
         assert evidence_holds(result)
-        found = box_contradiction(result, observe_box(wheels, at))
-        assert not found, f"seed {seed}: {found}; at {at}, {wheels}"
+        reason = box_contradiction(result, observe_box(wheels, at))
+        assert not reason, f"seed {seed}: {reason}; at {at}, {wheels}"
 
 
 def test_a_stable_corner_lets_the_distance_grow_two_hundredfold(arrays: Arrays) -> None:

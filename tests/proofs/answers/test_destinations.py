@@ -451,7 +451,7 @@ def measured_table(seed: int) -> str:
 
 def excursions(scene: Scene, radius: float) -> list[tuple[float, float]]:
     """For each start on the disc's border: the largest distance on the way and the least, in Euler steps."""
-    contacts, found = Contacts.of(scene), []
+    contacts, extremes = Contacts.of(scene), []
     centre = np.array([float(x) for x in scene.check.equilibrium])
     twist_at = {"nearest": contacts.nearest, "box": contacts.box}[scene.contact.rule]
     wheels = list(range(len(scene.wheels)))
@@ -467,8 +467,8 @@ def excursions(scene: Scene, radius: float) -> list[tuple[float, float]]:
             farthest, nearest = max(farthest, distance), min(nearest, distance)
             if nearest < HOME * radius:
                 break
-        found.append((farthest, nearest))
-    return found
+        extremes.append((farthest, nearest))
+    return extremes
 
 
 def answered(scene: Scene) -> tuple[float, float] | None:
@@ -556,9 +556,9 @@ def test_auto_takes_the_largest_disc_and_names_the_others(tmp_path: Path, capsys
 def rate_at_rest(table: MeasuredTable, about: Floats) -> float:
     """The rotation rate where a body rests that starts at a place, by Newton's method on its velocity."""
     steps = SmallSteps(table)
-    found = root(steps.velocity, about, tol=1e-10)
-    assert found.success
-    return float(steps.twists(found.x[None])[0, 2] / steps.length)
+    zero = root(steps.velocity, about, tol=1e-10)
+    assert zero.success
+    return float(steps.twists(zero.x[None])[0, 2] / steps.length)
 
 
 @pytest.mark.usefixtures("without_law")

@@ -130,10 +130,10 @@ class Forces:
             return self.balance((x, y), (omega * y, -omega * x, omega, *forces))
 
         start = *near, spin, *[0.0] * int(np.sum(self.held))
-        found = tuple(mpmath.findroot(equations, start, tol=1e-60, maxsteps=60))
-        equations(*found)
+        unknowns = tuple(mpmath.findroot(equations, start, tol=1e-60, maxsteps=60))
+        equations(*unknowns)
         assert all(self.are_held)
-        return found
+        return unknowns
 
     def slope(self, rest: tuple[Any, ...]) -> Any:
         """Of c' by c, by differences."""

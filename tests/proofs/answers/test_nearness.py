@@ -151,17 +151,17 @@ def test_rates_of_rings_hold_at_sampled_places(rule: str, shape: str, tmp_path: 
 @pytest.mark.parametrize("parts", [1, 4])
 def test_quadrangles_cover_their_rings(shape: str, parts: int) -> None:
     function = SHAPES[shape]
-    found = function.pieces(np.array([1.0]), np.array([1.25]), parts)
+    pieces = function.pieces(np.array([1.0]), np.array([1.25]), parts)
     rng = np.random.default_rng(1)
     for _ in range(500):
         angle = rng.uniform(0, 2 * math.pi)
         ray = np.array([math.cos(angle), math.sin(angle)])
         place = rng.uniform(1.0, 1.25) * ray / level(function, ray)
-        sides, away = np.roll(found.corners, -1, axis=1) - found.corners, place - found.corners
+        sides, away = np.roll(pieces.corners, -1, axis=1) - pieces.corners, place - pieces.corners
         inside = ((sides[..., 0] * away[..., 1] - sides[..., 1] * away[..., 0]) >= -1e-15).all(axis=1)
         assert inside.any()
-        slope = np.array([part.middle[inside][0].mean() for part in found.slopes])
-        assert slope @ place == pytest.approx(level(function, place) * found.sizes[inside][0].mean(), rel=0.15)
+        slope = np.array([part.middle[inside][0].mean() for part in pieces.slopes])
+        assert slope @ place == pytest.approx(level(function, place) * pieces.sizes[inside][0].mean(), rel=0.15)
 
 
 def test_ellipses_hold_the_discs_that_they_name() -> None:
@@ -317,8 +317,8 @@ def test_proposed_motions_are_those_of_least_dissipation(name: str, rule: str) -
     forces = BalancedForces(scene)
     places = np.random.default_rng(0).uniform(-0.3, 0.3, (60, 2)) * float(scene.check.radius)
     (along, across), loads = forces._float_rows, forces.float_loads(places)
-    found = forces.minimizers(places)
-    beside = found[:, None] + np.random.default_rng(1).normal(0, 1e-3, (60, 200, 3))
+    twists = forces.minimizers(places)
+    beside = twists[:, None] + np.random.default_rng(1).normal(0, 1e-3, (60, 200, 3))
 
     def dissipation(twists: np.ndarray) -> np.ndarray:
         a, b = float(scene.wheels[0].friction.roll), float(scene.wheels[0].friction.side)
@@ -329,7 +329,7 @@ def test_proposed_motions_are_those_of_least_dissipation(name: str, rule: str) -
         per_load = np.hypot(a * r, b * s) if rule == "ellipse" else rolled
         return np.asarray((per_load * loads[:, None]).sum(axis=-1))
 
-    assert (dissipation(found[:, None]) <= dissipation(beside) + 1e-7).all()
+    assert (dissipation(twists[:, None]) <= dissipation(beside) + 1e-7).all()
 
 
 @pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])

@@ -58,9 +58,9 @@ STATUS = {0: "valid", 1: "rejected", 2: "unreadable"}
 def alone(path: Path) -> tuple[int, str]:
     """Exit status and output of the checker as a command of its own, with nothing but the standard library."""
     line = [sys.executable, "-I", "-S", str(Path(checker.__file__).parent), str(path)]
-    found = subprocess.run(line, capture_output=True, text=True, timeout=120, check=False)
-    assert not found.stderr
-    return found.returncode, found.stdout
+    process = subprocess.run(line, capture_output=True, text=True, timeout=120, check=False)
+    assert not process.stderr
+    return process.returncode, process.stdout
 
 
 @pytest.mark.parametrize("part", keep(1, range(GOOD_PARTS)))
@@ -212,8 +212,8 @@ def test_floats_see_where_slow_slides_lead() -> None:
     """On x = 0 the mean of the signs is y, so y' is y**3, or -y**3."""
     for square, leaves in (("y**2", True), ("-y**2", False)):
         slides = {"states": ["x", "y"], "rhs": [["-sign(x) + y", f"sign(x)*({square})"]], "at": ["0", "0"]}
-        found = contradiction({"subject": slides, "claims": [{"stability": "unstable"}]}, half=0.5)
-        assert leaves != bool(found)
+        reason = contradiction({"subject": slides, "claims": [{"stability": "unstable"}]}, half=0.5)
+        assert leaves != bool(reason)
 
 
 @thorough
@@ -272,8 +272,8 @@ def test_operations_hold_what_their_operands_give(
         with pytest.raises(RejectedError, match="a divisor that is not zero"):
             operation(a, b)
         return
-    found = operation(a, b)
-    assert found.low <= operation(inside(a, s), inside(b, t)) * GRID <= found.high
+    result = operation(a, b)
+    assert result.low <= operation(inside(a, s), inside(b, t)) * GRID <= result.high
 
 
 def test_numbers_of_a_field_are_enclosed_closely() -> None:
@@ -293,9 +293,9 @@ def test_slopes_bound_what_a_function_may_change() -> None:
         Jet(Interval(enclosure.low - size, enclosure.high + size), slopes)
         for enclosure, size, slopes in zip(middle, sizes, ((ONE, zero), (zero, ONE)), strict=True)
     )
-    found = mean_value(middle[0] * middle[1] / (middle[0] + middle[1]), x * y / (x + y), sizes)
+    bounds = mean_value(middle[0] * middle[1] / (middle[0] + middle[1]), x * y / (x + y), sizes)
     values = [a * b / (a + b) for a in (1.5, 2.5) for b in (2.75, 3.25)]
-    low, high = found.low / GRID, found.high / GRID
+    low, high = bounds.low / GRID, bounds.high / GRID
     assert low < min(values) < max(values) < high
     assert high - low < 2 * (max(values) - min(values))
 

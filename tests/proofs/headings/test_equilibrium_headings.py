@@ -257,8 +257,8 @@ def test_balls_hold_the_motion_on_wheels_with_friction_axes(tmp_path: Path) -> N
     part = replace(scene, wheels=tuple(scene.wheels[k] for k in wheels), body=None)
     centre = (float(part.wheels[1].position[0]) + 0.03, 0.04)
     with ctx.workprec(256):
-        found = set_motion(scene, SetGuesses(scene, rule), wheels, (arb(centre[0]), arb(centre[1])))
-    assert found is not None
+        motion = set_motion(scene, SetGuesses(scene, rule), wheels, (arb(centre[0]), arb(centre[1])))
+    assert motion is not None
     expected = minima_under(rule, part, np.array([centre])).twists[0]
-    np.testing.assert_allclose([float(entry) for entry in found.twist], expected, atol=1e-8)
-    assert max(float(entry.rad()) for entry in found.twist) < 1e-30
+    np.testing.assert_allclose([float(entry) for entry in motion.twist], expected, atol=1e-8)
+    assert max(float(entry.rad()) for entry in motion.twist) < 1e-30

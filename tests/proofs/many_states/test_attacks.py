@@ -352,8 +352,8 @@ def largest_slide(rhs: Sequence[str], weights: Sequence[int], point: Sequence[fl
     columns = np.array(fields).T
     gradient = np.array(weights) * np.sign(point)
     equal, right = np.vstack([columns[zero], np.ones(len(fields))]), [0.0] * len(zero) + [1.0]
-    found = linprog(-gradient @ columns, A_eq=equal, b_eq=right, bounds=(0, None), method="highs")
-    return -float(found.fun)
+    solution = linprog(-gradient @ columns, A_eq=equal, b_eq=right, bounds=(0, None), method="highs")
+    return -float(solution.fun)
 
 
 @few(1)
@@ -400,8 +400,8 @@ def slides(rhs: Sequence[str], weights: Sequence[int]) -> list[Refutation]:
     system = built(rhs)
     formula = parse_lyapunov(bent(weights), system.states, "t", "lyapunov")
     _, conditions = conditions_on(system, formula, system.check.radius)
-    found = (find_slide(system, conditions, claim) for claim in conditions.claims())
-    return [failure for failure in found if failure is not None]
+    failures = (find_slide(system, conditions, claim) for claim in conditions.claims())
+    return [failure for failure in failures if failure is not None]
 
 
 @thorough  # test_a_face_that_solutions_leave_at_once_refutes_nothing

@@ -49,10 +49,10 @@ def positive(terms: Terms, guards: Sequence[Terms] = (), *, box: bool = False, a
     return Claim("p", (Inequality(value, {**named, **sides}),), strict=True, at_origin=at_origin, bounded=box)
 
 
-def follows(asked: Claim, found: Shown) -> bool:
+def follows(asked: Claim, proof: Shown) -> bool:
     """Whether the checker is shown a claim, strict or not, by evidence that says so."""
     try:
-        show(replace(asked, strict=found.strict), found.evidence)
+        show(replace(asked, strict=proof.strict), proof.evidence)
     except RejectedError:
         return False
     return True
@@ -85,9 +85,9 @@ NOT_POSITIVE = [
 
 @pytest.mark.parametrize("asked", PROVED)
 def test_positive_polynomials_are_proved(asked: Claim) -> None:
-    found = find(asked, Effort.STRICT)
-    assert found is not None
-    assert follows(asked, found)
+    proof = find(asked, Effort.STRICT)
+    assert proof is not None
+    assert follows(asked, proof)
 
 
 @pytest.mark.parametrize("asked", NOT_POSITIVE)
@@ -125,10 +125,10 @@ def test_products_of_guards_and_squares_are_shown_where_they_vanish_along_faces(
         positive({**cube_of_apart, (0, 1, 2): 4}, [y, apart]),
         positive({**cube_of_apart, (0, 0, 3): (-3, 4)}, [apart, w], box=True),
     ):
-        found = find(asked, Effort.FULL)
-        assert found is not None
-        assert not found.strict
-        assert follows(asked, found)
+        proof = find(asked, Effort.FULL)
+        assert proof is not None
+        assert not proof.strict
+        assert follows(asked, proof)
     assert find(positive({(0, 3, 0): 2, (0, 0, 3): (-1, 3)}, [y, w]), Effort.FULL) is None
     assert find(positive(cube_of_apart, [y, w]), Effort.FULL) is None
 
@@ -145,12 +145,12 @@ def test_what_is_proved_is_positive_at_points(seed: int) -> None:
     points = points[points @ [float(guard[1, 0]), 1.0] >= 0]
     values = sum(float(c) * points[:, 0] ** e[0] * points[:, 1] ** e[1] for e, c in terms.items())
     ratio = float(np.min(values / (points**2).sum(axis=1)))
-    found = find(asked, Effort.STRICT)
-    if found is not None:
-        assert follows(asked, found)
+    proof = find(asked, Effort.STRICT)
+    if proof is not None:
+        assert follows(asked, proof)
         assert ratio > 0
     if ratio > 0.2:
-        assert found is not None
+        assert proof is not None
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -167,15 +167,15 @@ def test_elimination_agrees_with_eigenvalues(seed: int) -> None:
 
 def test_changed_evidence_is_refused() -> None:
     asked = PROVED[1]
-    found = find(asked, Effort.STRICT)
-    assert found is not None
-    assert len(found.evidence["squares"][0]) > 1
+    proof = find(asked, Effort.STRICT)
+    assert proof is not None
+    assert len(proof.evidence["squares"][0]) > 1
     for change in (added_little, negated, with_other_monomials, without_the_first, without_the_last):
-        forged = deepcopy(found.evidence)
+        forged = deepcopy(proof.evidence)
         change(forged["squares"][0])
-        assert forged != found.evidence
-        assert not follows(asked, replace(found, evidence=forged)), change
-    assert not follows(PROVED[0], found)
+        assert forged != proof.evidence
+        assert not follows(asked, replace(proof, evidence=forged)), change
+    assert not follows(PROVED[0], proof)
 
 
 def added_little(squares: list[Any]) -> None:
@@ -210,18 +210,18 @@ def test_equations_without_a_solution_have_none() -> None:
 
     matrix = fmpq_mat([[1, 1], [2, 2]])
     assert particular_solution(matrix, fmpq_mat([[1], [3]])) is None
-    found = particular_solution(matrix, fmpq_mat([[1], [2]]))
-    assert found is not None
-    assert matrix * found == fmpq_mat([[1], [2]])
+    solution = particular_solution(matrix, fmpq_mat([[1], [2]]))
+    assert solution is not None
+    assert matrix * solution == fmpq_mat([[1], [2]])
 
 
 def test_squares_that_lie_beneath_the_newton_polyhedron_are_left_out() -> None:
     """Near the origin ``y^2 + x^6`` is larger than the rest; squares of x and x^2 could only be zero."""
     asked = positive({(0, 2): 2, (6, 0): 1, (4, 1): 2, (2, 2): 1, (6, 1): (-1, 8), (2, 3): (-1, 8)}, box=True)
-    found = find(asked, Effort.STRICT)
-    assert found is not None
-    assert follows(asked, found)
-    used = {tuple(m) for entry in found.evidence["squares"][0] for m in entry["monomials"]}
+    proof = find(asked, Effort.STRICT)
+    assert proof is not None
+    assert follows(asked, proof)
+    used = {tuple(m) for entry in proof.evidence["squares"][0] for m in entry["monomials"]}
     assert (3, 0) in used
     assert not used & {(1, 0), (2, 0)}
 
@@ -255,9 +255,9 @@ def lies_in(support: Collection[Exponents], normals: Sequence[Exponents], m: Exp
 def test_guards_that_vanish_at_the_origin_may_cancel_what_lies_beneath() -> None:
     """``y > 0`` where ``y >= x^2`` off the origin: ``y = (y - x^2) + x^2``, and y has no term in x."""
     asked = positive({(0, 1): 1, (0, 2): 1}, [{(0, 1): 1, (2, 0): -1}], box=True)
-    found = find(asked, Effort.STRICT)
-    assert found is not None
-    assert follows(asked, found)
+    proof = find(asked, Effort.STRICT)
+    assert proof is not None
+    assert follows(asked, proof)
 
 
 def test_high_degrees_need_the_monomials_of_half_the_newton_polytope_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -269,10 +269,10 @@ def test_high_degrees_need_the_monomials_of_half_the_newton_polytope_alone(monke
 
     monkeypatch.setattr("nonsmooth.proofs.sums_of_squares.prove.solve", noting)
     steep = positive({(10, 0, 0): 1, (0, 10, 0): 2, (0, 0, 12): 2}, box=True)
-    found = find(steep, Effort.STRICT)
-    assert found is not None
-    assert found.strict
-    assert follows(steep, found)
+    proof = find(steep, Effort.STRICT)
+    assert proof is not None
+    assert proof.strict
+    assert follows(steep, proof)
     flat = positive({(4, 0, 2): 1, (0, 4, 2): 2, (0, 0, 6): 2}, box=True)  # zero where z is
     weak = find(flat, Effort.FULL)
     assert weak is not None
