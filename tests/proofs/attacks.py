@@ -49,8 +49,8 @@ def of_few_states(theorem: str) -> list[Record]:
 
 def assert_floats_agree(record: Record, source: random.Random) -> None:
     """Polygons and slopes of the literal formulas contradict no claim."""
-    seen = contradiction(record["statement"], half_width(record["evidence"][0]["hypotheses"]))
-    assert not seen, seen
+    reason = contradiction(record["statement"], half_width(record["evidence"][0]["hypotheses"]))
+    assert not reason, reason
 
 
 def assert_array_agrees(record: Record, source: random.Random) -> None:

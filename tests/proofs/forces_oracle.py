@@ -172,20 +172,20 @@ def _is_definite(rows: tuple[Triple, ...]) -> bool:
 
 def is_held(scene: Scene, region: LoadRegion, omega: Number, held: Iterable[HeldForce]) -> bool:
     """Whether forces of wheels that a spin does not slip, or not along, answer those of the others, strictly inside."""
-    known = {force.wheel: force for force in held}
+    by_wheel = {force.wheel: force for force in held}
     forces: list[Triple] = []
     spanned: list[Triple] = []
     rule = smooth_rule_of(scene)
     for wheel, form in zip(scene.wheels, region.forces, strict=True):
         load, limits, d, (x, y), (a, b) = form[0], rule.friction_set(wheel.friction), _axis(wheel), *_at(wheel)
-        if wheel.index not in known:
+        if wheel.index not in by_wheel:
             slip = _slip(wheel, form, limits, omega) if load and (limits.along or limits.across) else None
             if slip is not None:
                 forces.append(scaled(slip.pull, -load / slip.size))
             elif load and (limits.along or limits.across):
                 return False
             continue
-        force, q = known[wheel.index], (-omega * y - a, omega * x - b)
+        force, q = by_wheel[wheel.index], (-omega * y - a, omega * x - b)
         along, across = limits.along * dot(d, q), limits.across * cross(d, q)
         inside = force.along * force.along + force.across * force.across < 1
         on_side = force.rolls and across and force.across == limits.cut * across.sign()

@@ -225,5 +225,5 @@ def _is_refuted(ray: RayOfRest, oracle: Oracle) -> bool:
 
 
 def _rational(point: Point) -> tuple[Fraction, Fraction] | None:
-    known = [Fraction(str(q)) for v in point if (q := v.as_rational()) is not None]
-    return (known[0], known[1]) if len(known) == len(point) else None
+    coordinates = [Fraction(str(q)) for v in point if (q := v.as_rational()) is not None]
+    return (coordinates[0], coordinates[1]) if len(coordinates) == len(point) else None

@@ -106,8 +106,8 @@ def test_enclosed_cells_are_a_superset() -> None:
             b, c = c, b
         places = [(int(x), int(y)) for x, y in (a, b, c)]
         inside = np.einsum("ij,jk->ik", random.dirichlet(np.ones(3), 30), np.array([a, b, c]))
-        met = {k for k, outline in enumerate(outlines) if any(holds(outline, x) for x in inside)}
-        assert met <= plane.crossing(places) <= plane.touching(places)
+        crossed = {k for k, outline in enumerate(outlines) if any(holds(outline, x) for x in inside)}
+        assert crossed <= plane.crossing(places) <= plane.touching(places)
     for k, cell in enumerate(cells.listed):
         vx, vy, omega = (entry.enclosure(40)[0] / 2**40 for entry in cell.motions[0].twist[:3])
         x, y = 300, -200

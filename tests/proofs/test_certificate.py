@@ -143,8 +143,8 @@ def test_an_ellipse_crosses_the_line_of_a_side_beyond_that_side(tmp_path: Path) 
 
 def test_an_ellipse_stays_left_of_a_side() -> None:
     field, random = Field([]), Random(5)
-    met: set[tuple[Fraction | None, int]] = set()
-    while len(met) < 9:  # the nearest point within the side or at either end, and each answer
+    cases: set[tuple[Fraction | None, int]] = set()
+    while len(cases) < 9:  # the nearest point within the side or at either end, and each answer
         p, s, q = random.randint(1, 4), random.randint(1, 4), random.randint(-1, 1)
         a, b = ((random.randint(-4, 4), random.randint(-4, 4), random.randint(1, 2)) for _ in range(2))
         turn, level = a[0] * b[1] - a[1] * b[0], Fraction(random.randint(1, 12), 2)
@@ -162,7 +162,7 @@ def test_an_ellipse_stays_left_of_a_side() -> None:
         corners = [tuple(field.rational(n) for n in end) for end in (a, b)]
         (side,) = form.margins(field.rational(level), [(corners[0], corners[1])], whole=False)
         assert side == (least > level) - (least < level)
-        met.add((share if share in (0, 1) else None, side))
+        cases.add((share if share in (0, 1) else None, side))
 
 
 def test_one_wheel_point_or_cell_to_a_line(arrays: Arrays) -> None:
@@ -457,13 +457,16 @@ def put(certificate: Record, path: tuple[Any, ...], data: Any) -> Record:
     for key in path[:-1]:
         holder = holder[key]
     holder[path[-1]] = data
-    hypotheses, kept = evidence(forged), [c for c in forged["statement"]["claims"] if not set(c) & {"swing", "arrival"}]
+    hypotheses, claims = (
+        evidence(forged),
+        [c for c in forged["statement"]["claims"] if not set(c) & {"swing", "arrival"}],
+    )
     ellipse = hypotheses["ellipse"]
     start = {"squared_radius": ellipse["squared_radius"]}
-    kept.append({"swing": {**start, "squared_swing": ellipse["squared_swing"]}})
-    kept.append({"arrival": {**start, "rate": ellipse["arrival"]["rate"]}})
+    claims.append({"swing": {**start, "squared_swing": ellipse["squared_swing"]}})
+    claims.append({"arrival": {**start, "rate": ellipse["arrival"]["rate"]}})
     law = {key: hypotheses["law"].get(key) for key in ("form", "weight", "kappa", "squared_reach")}
-    forged["statement"]["claims"] = [c for c in kept if "feedback rate" not in c] + [{"feedback rate": law}]
+    forged["statement"]["claims"] = [c for c in claims if "feedback rate" not in c] + [{"feedback rate": law}]
     return forged
 
 

@@ -467,15 +467,15 @@ def rates_of_minimizers(functional: Functional, law: SampledLaw, side: float, st
     arms, loads = np.column_stack([-p[:, 1], p[:, 0]]), (1 + p @ state[:2]) / 4
     twist, slips, sizes = cp.Variable(3), cp.Variable((4, 2)), cp.Variable((4, 2))
     roll, across = (np.column_stack([axes, (axes * arms).sum(1)]) @ twist for axes in (d, n))
-    held = [slips[:, 0] == roll - speeds, slips[:, 1] == side * across]
+    constraints = [slips[:, 0] == roll - speeds, slips[:, 1] == side * across]
     if functional is Functional.BOX:
-        held += [slips <= sizes, -slips <= sizes]
+        constraints += [slips <= sizes, -slips <= sizes]
     else:
-        held += [cp.SOC(sizes[:, 0], slips, axis=1), sizes[:, 1] == 0]
+        constraints += [cp.SOC(sizes[:, 0], slips, axis=1), sizes[:, 1] == 0]
     total, rate = loads @ sizes @ np.ones(2), 2 * (state @ twist) / (state @ state)
-    least = cp.Problem(cp.Minimize(total), held).solve(solver=cp.CLARABEL)
+    least = cp.Problem(cp.Minimize(total), constraints).solve(solver=cp.CLARABEL)
     ends = (cp.Minimize(rate), cp.Maximize(rate))
-    low, high = (cp.Problem(end, [*held, total <= least + SLACK]).solve(solver=cp.CLARABEL) for end in ends)
+    low, high = (cp.Problem(end, [*constraints, total <= least + SLACK]).solve(solver=cp.CLARABEL) for end in ends)
     return float(low), float(high)
 
 

@@ -386,8 +386,8 @@ def test_surfaces_that_meet_off_the_point_have_no_gain() -> None:
             **{"second": None, "verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False},
             "rate": {"kind": "finite", "kappa": "1/2"},
         }
-        _, shown = Search().entry(system, "lyapunov", hypotheses)
-        assert "rate" in shown[-1]
+        _, claims = Search().entry(system, "lyapunov", hypotheses)
+        assert "rate" in claims[-1]
         if more:
             with pytest.raises(NotShownError, match="meet at the point alone"):
                 Search().entry(system, "lyapunov", {**hypotheses, "gain": "3"})

@@ -302,12 +302,12 @@ def test_slopes_left_out_bound_no_square_about_the_point(name: str, monkeypatch:
     examined = [(twist, drives.examine(twist)) for twist in islice(candidate_twists(scene), 12)]
     monkeypatch.setattr(Slopes, "first_to_vanish", lambda slopes: list(range(len(slopes))))
     left_out = 0
-    for twist, kept in examined:
+    for twist, fewer in examined:
         every = drives.examine(twist)
-        assert (kept.is_unique, kept.is_excluded) == (every.is_unique, every.is_excluded)
-        assert narrowest(kept.slopes) == narrowest(every.slopes)
-        assert kept.ties == every.ties
-        left_out += len(every.slopes) - len(kept.slopes)
+        assert (fewer.is_unique, fewer.is_excluded) == (every.is_unique, every.is_excluded)
+        assert narrowest(fewer.slopes) == narrowest(every.slopes)
+        assert fewer.ties == every.ties
+        left_out += len(every.slopes) - len(fewer.slopes)
     assert left_out
 
 
@@ -429,16 +429,16 @@ def test_an_exclusion_is_verified_arc_by_arc(arrays: Arrays) -> None:
     excluded = exclude_twist(balance_twist(scene, region, (zero, one, zero)))
     assert excluded.is_excluded
     assert not excluded.is_unique
-    held = balance_twist(scene, region, (one, zero, zero))
-    assert held.is_unique
-    assert not exclude_twist(held).is_excluded
+    balanced = balance_twist(scene, region, (one, zero, zero))
+    assert balanced.is_unique
+    assert not exclude_twist(balanced).is_excluded
     whole = [HALVES] * len(excluded.wheels)
     for direction in ((0, 1, 0), (0, -1, 0), (0, 0, 0)):  # over whole half circles no direction separates
         assert not separates([Fraction(x) for x in direction], excluded.wheels, whole)
     search = ExclusionSearch(excluded.wheels)
     assert search.excludes(whole)
     assert search.left < BUDGET - 1  # arcs were halved
-    assert not ExclusionSearch(held.wheels).excludes([HALVES] * len(held.wheels))
+    assert not ExclusionSearch(balanced.wheels).excludes([HALVES] * len(balanced.wheels))
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -499,7 +499,7 @@ def test_opposite_inward_rims_balance_exactly_and_turn_by_their_loads(arrays: Ar
     assert "balance exactly" in feedback.reason
     for cone in feedback.cones:
         assert evidence_holds(cone)
-        assert not all(held.is_unique for held in cone.twists)
+        assert not all(twist.is_unique for twist in cone.twists)
         assert not evidence_holds(replace(cone, rays=None))
         assert any(twist[2] for twist in cone.vectors)
 
@@ -518,7 +518,7 @@ def test_a_balance_that_no_shift_of_the_load_resolves_is_named(arrays: Arrays) -
 def test_kinds_of_twists_do_not_mix(arrays: Arrays) -> None:
     box = decide_driven_feedback(centred(load_scene("ring-3"), "box"))
     ellipse = decide_driven_feedback(centred(load_scene("ring-3"), "ellipse"))
-    assert all(isinstance(held, BoxTwist) for held in box.cones[0].twists)
+    assert all(isinstance(twist, BoxTwist) for twist in box.cones[0].twists)
     assert all(isinstance(balanced, BalancedTwist) for balanced in ellipse.cones[0].twists)
     assert ellipse.reach is None
 
@@ -605,14 +605,14 @@ def test_cones_that_do_not_go_around_are_refused(arrays: Arrays) -> None:
 
 
 def test_whichever_wheels_are_stopped_an_array_is_decided_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[Scene] = []
+    scenes: list[Scene] = []
 
     def decided(array: Scene, length: Fraction) -> DrivenFeedback:
-        asked.append(array)
+        scenes.append(array)
         return DrivenFeedback(Feedback.UNDECIDED, "", array)
 
     monkeypatch.setattr(by_friction, "_decide", decided)
     scene = centred(load_scene("ring-6"), "roller")
     for failed in ((), (1,), (2, 3)):
         assert decide_driven_feedback(stopped(scene, failed)).scene == stopped(scene, failed)
-    assert len(asked) == 1
+    assert len(scenes) == 1

@@ -76,8 +76,8 @@ def law_coefficients(data: InputCell, point: tuple[Number, Number], theta: Numbe
 @thorough  # about all random cases, which `make bench` runs
 def test_both_verdicts_occur_among_the_random_arrays_and_nearly_all_cells_have_a_lever(arrays: Arrays) -> None:
     results = [decide(cocircular(seed)) for seed in SEEDS]
-    seen = Counter((result.verdict, result.has_lyapunov) for result in results)
-    assert seen == {
+    counts = Counter((result.verdict, result.has_lyapunov) for result in results)
+    assert counts == {
         (Feedback.STABILIZABLE, True): 36,
         (Feedback.STABILIZABLE, False): 3,
         (Feedback.NO_CERTIFICATE, False): 1,

@@ -255,8 +255,8 @@ def growth(scene: Scene, omega: float, mass: float) -> float:
     loads = MovingLoads(model, state[:2])
     equations = NewtonEuler(model, RigidBody(mass, mass * radius**2), loads, CREEP * float(np.abs(model.targets).max()))
     matrix = equations.jacobian(0.0, state)
-    kept = [0, 1, 3, 4, 5]
-    return float(np.linalg.eigvals(matrix[np.ix_(kept, kept)]).real.max())
+    states = [0, 1, 3, 4, 5]
+    return float(np.linalg.eigvals(matrix[np.ix_(states, states)]).real.max())
 
 
 def test_the_spiral_loses_stability_where_the_jacobian_says() -> None:

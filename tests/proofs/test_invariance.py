@@ -365,14 +365,14 @@ def test_random_switched_oscillators_against_signals(seed: int) -> None:
 def test_rests_of_several_fields_against_their_hulls(count: int) -> None:
     """Random affine fields: 0 lies between those that act at a place that is said to rest, or beside it."""
     rng = np.random.default_rng(11)
-    known = {True: 0, False: 0}
+    counts = {True: 0, False: 0}
     for _ in range(count):
         entries = rng.integers(-3, 4, size=(rng.integers(2, 4), 2, 3)) * np.array([1, 1, 2])
         entries[:, 0, 2] += 3 * rng.integers(0, 2)
         fields = [[f"{a}*x + {b}*y + {c} + sign(x)" for a, b, c in field] for field in entries.tolist()]
         system = system_of(fields)
         place = resting_place(given_cells(system, system.check.radius))
-        known[place is not None] += 1
+        counts[place is not None] += 1
         if place is None:
             continue
         x, y = map(float, place)
@@ -381,8 +381,8 @@ def test_rests_of_several_fields_against_their_hulls(count: int) -> None:
         values = np.concatenate([affine + np.array([side, side]) for side in sides])
         angles = np.sort(np.arctan2(values[:, 1], values[:, 0]))
         assert np.diff(angles, append=angles[0] + 2 * np.pi).max() <= np.pi + 1e-9 or not np.all(np.any(values, axis=1))
-    assert known[True] >= 2
-    assert known[False] >= 2
+    assert counts[True] >= 2
+    assert counts[False] >= 2
 
 
 # ---- LaSalle's principle in many states, beside observability of what slides, and paths ----------
@@ -418,11 +418,11 @@ def test_what_a_function_proves(rhs: list[str], lyapunov: str, proves: Translati
 
 def test_a_held_relay_keeps_its_oscillation() -> None:
     """The path that the principle must not overlook, and one that it decides."""
-    kept = built(["y", "-x + z", "-y - sgn(z)"])
-    end = simulate(system_field(kept, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
+    oscillator = built(["y", "-x + z", "-y - sgn(z)"])
+    end = simulate(system_field(oscillator, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
     assert np.hypot(end[0], end[1]) == pytest.approx(0.3, abs=1e-6)
-    left = built(["y", "-x - sgn(y + z)", "-z - sgn(y + z)"])
-    end = simulate(system_field(left, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
+    decaying = built(["y", "-x - sgn(y + z)", "-z - sgn(y + z)"])
+    end = simulate(system_field(decaying, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
     assert np.linalg.norm(end) < 1e-3
 
 
@@ -450,13 +450,13 @@ def test_the_check_decides_by_the_principle() -> None:
 @thorough  # the same systems by certificates: test_second_function.py
 @pytest.mark.parametrize("count", keep(1, [8, 30]))
 def test_random_dissipative_systems_against_observability(count: int) -> None:
-    known: Counter[tuple[bool, bool]] = Counter()
+    counts: Counter[tuple[bool, bool]] = Counter()
     for system in dissipative_systems(count):
         audited = audit(built(system.rhs, states=system.states), system.energy)
         if audited.proves is None:
             continue
-        known[audited.proves is ATTRACTS, system.attracts] += 1
+        counts[audited.proves is ATTRACTS, system.attracts] += 1
         assert audited.proves is not ATTRACTS or system.attracts, system.rhs
-    assert known[True, True] >= count // 8
-    assert known[False, False] >= count // 8
-    assert not known[False, True]  # complete on these
+    assert counts[True, True] >= count // 8
+    assert counts[False, False] >= count // 8
+    assert not counts[False, True]  # complete on these

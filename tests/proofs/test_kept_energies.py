@@ -127,10 +127,10 @@ def test_random_weak_foci_are_decided_as_they_turn(seed: int, line: str) -> None
         lambda x, y: x + b * y * abs(y) + c * x * y * np.sign(LINES[line](x, y)),
     )
     turned = growth_in_a_turn(sides, 1e-3)
-    said = said_by_energy(f"-y + {a}*x*Abs(x); x + {b}*y*Abs(y) + {c}*x*y*sign({line})")
-    assert said in {OPEN, GROWS if turned > 0 else FALLS}
+    verdict = said_by_energy(f"-y + {a}*x*Abs(x); x + {b}*y*Abs(y) + {c}*x*y*sign({line})")
+    assert verdict in {OPEN, GROWS if turned > 0 else FALLS}
     if abs(turned) > 2:
-        assert said != OPEN
+        assert verdict != OPEN
 
 
 @thorough
@@ -144,6 +144,6 @@ def test_random_weak_foci_of_any_kind_are_never_decided_otherwise(seed: int) -> 
     )
     text = f"-y + {a}*x*Abs(y) + {b}*x**3; x + {c}*y**2*sign(x - 2*y) + {d}*y*x**2*sign(x)"
     turned = growth_in_a_turn(sides, 1e-3)
-    said = said_by_energy(text)
+    verdict = said_by_energy(text)
     if abs(turned) > 1e-4:
-        assert said in {OPEN, GROWS if turned > 0 else FALLS}
+        assert verdict in {OPEN, GROWS if turned > 0 else FALLS}

@@ -128,10 +128,10 @@ def test_slopes_against_all_pairs(name: str) -> None:
         for b in sides:
             direction = cross_product(arrangement.rows[a].normal, arrangement.rows[b].normal)
             if any(direction):
-                known = [along for along in table if not any(cross_product(along, direction))]
+                parallel = [along for along in table if not any(cross_product(along, direction))]
                 slopes = arrangement.slopes_along((a, b), signs)
                 positive = [value_at(form, p).sign() > 0 for form in slopes for p in region.polygon.vertices]
-                assert all(positive) or any(inner(along, direction).sign() > 0 for along in known)
+                assert all(positive) or any(inner(along, direction).sign() > 0 for along in parallel)
 
 
 def test_multiples_of_a_line() -> None:

@@ -202,8 +202,8 @@ def test_other_systems_are_refused_in_one_line(rhs: list[str], verdict: str) -> 
 
 
 def test_irrational_numbers_are_shown_as_they_are() -> None:
-    entry, shown = show_verdict(build(["sqrt(2)*sign(y)", "-sign(x) + sign(y)/2"]), UNSTABLE)
-    assert (entry["theorem"], shown) == ("instability", [{"stability": UNSTABLE}])
+    entry, claims = show_verdict(build(["sqrt(2)*sign(y)", "-sign(x) + sign(y)/2"]), UNSTABLE)
+    assert (entry["theorem"], claims) == ("instability", [{"stability": UNSTABLE}])
 
 
 # ---- Germs of guarded cells at the origin, against arcs on which the signs of the guards are plain arithmetic.
@@ -389,15 +389,15 @@ PATHS = 6
 @pytest.mark.parametrize("generate", [random_relay, random_conewise])
 @pytest.mark.parametrize("count", keep(1, [16, COUNT]))
 def test_random_systems_against_formulas(load: Load, generate: Callable[[int], Switched], count: int) -> None:
-    seen: Counter[tuple[str, str]] = Counter()
+    counts: Counter[tuple[str, str]] = Counter()
     for seed in range(1000, 1000 + count):
         system = generate(seed)
         found = decide_leading_terms(load(*system.rhs))
-        known = Judge(system).verdict()
-        seen[str(found and found.verdict), str(known)] += 1
-        assert found is None or known is None or str(found.verdict) == known, (seed, system.rhs)
-    assert min(seen[v, v] for v in ("asymptotically stable", "unstable")) >= count // 8
-    assert sum(n for (found, _), n in seen.items() if found == "None") <= count // 10
+        verdict = Judge(system).verdict()
+        counts[str(found and found.verdict), str(verdict)] += 1
+        assert found is None or verdict is None or str(found.verdict) == verdict, (seed, system.rhs)
+    assert min(counts[v, v] for v in ("asymptotically stable", "unstable")) >= count // 8
+    assert sum(n for (found, _), n in counts.items() if found == "None") <= count // 10
 
 
 @few(1)

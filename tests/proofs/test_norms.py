@@ -144,10 +144,10 @@ def test_unit_control_falls_as_fast_as_is_said(text: str) -> None:
     names, noise = "xyz"[: text.count(";") + 1], np.random.default_rng(0)
     field = compile(f"[{text.replace(';', ',')}]", "field", "eval")
     value = compile(rate["function"], "V", "eval")
-    known = {"sqrt": np.sqrt, "Abs": np.abs, "Max": np.maximum, "Min": np.minimum, "sign": np.sign}
+    functions = {"sqrt": np.sqrt, "Abs": np.abs, "Max": np.maximum, "Min": np.minimum, "sign": np.sign}
 
     def at(code: CodeType, place: np.ndarray) -> np.ndarray:
-        return np.array(eval(code, known, dict(zip(names, place, strict=True))))  # noqa: S307
+        return np.array(eval(code, functions, dict(zip(names, place, strict=True))))  # noqa: S307
 
     half, step = float(Fraction(rate["within"])), 1e-7
     places = noise.uniform(-half, half, (len(names), 2_000))

@@ -251,8 +251,8 @@ def test_all_that_rests_of_singular_pieces_is_found(seed: int) -> None:
     rhs = [sum_of([*row, p, *q], names) for row, p, q in zip(a, b, c, strict=True)]
     found = rest_places(ns.System(list(states), rhs, radius=2).system)
     assert not found.left
-    known = [np.array([list(map(float, corner)) for corner in stretch.corners]) for stretch in found.stretches]
-    known += [np.array([list(map(float, place.place))]) for place in found.places]
+    hulls = [np.array([list(map(float, corner)) for corner in stretch.corners]) for stretch in found.stretches]
+    hulls += [np.array([list(map(float, place.place))]) for place in found.places]
 
     for sides in product((1, -1, 0), repeat=rows):
         limits = [(side, side) if side else (-1, 1) for side in sides]
@@ -268,9 +268,9 @@ def test_all_that_rests_of_singular_pieces_is_found(seed: int) -> None:
             )
             if rest.status == 0:
                 x = rest.x[:n]
-                near = min((hull_distance(x, hull) for hull in known), default=np.inf)
+                near = min((hull_distance(x, hull) for hull in hulls), default=np.inf)
                 assert near < 1e-6, (rhs, x)
-    for corners in known[: len(found.stretches)]:
+    for corners in hulls[: len(found.stretches)]:
         for weights in drawn.dirichlet(np.ones(len(corners)), 3):
             x = weights @ corners
             values = normals @ x + offsets
@@ -317,9 +317,9 @@ def test_fields_of_cells_alone_have_a_say(seed: int, monkeypatch: pytest.MonkeyP
         matrix = np.vstack([values.T, np.full(len(values), 10.0)])
         return bool(nnls(matrix, [*np.zeros(n), 10.0])[1] < 2e-5)
 
-    known = [np.array([list(map(float, corner)) for corner in stretch.corners]) for stretch in found.stretches]
-    known += [np.array([list(map(float, place.place))]) for place in found.places]
-    for corners in known:
+    hulls = [np.array([list(map(float, corner)) for corner in stretch.corners]) for stretch in found.stretches]
+    hulls += [np.array([list(map(float, place.place))]) for place in found.places]
+    for corners in hulls:
         assert all(may_rest(weights @ corners) for weights in drawn.dirichlet(np.ones(len(corners)), 3)), rhs
     boxes = [
         (np.array([float(x.lower()) for x in box]), np.array([float(x.upper()) for x in box])) for box in found.left
@@ -329,7 +329,7 @@ def test_fields_of_cells_alone_have_a_say(seed: int, monkeypatch: pytest.MonkeyP
             place = share - (share @ normal) / (normal @ normal) * normal
             for point in (place, place * (np.arange(n) > 1)):
                 if may_rest(point) and np.abs(point).max() <= 1:
-                    is_known = any(hull_distance(point, corners) < 1e-4 for corners in known)
+                    is_known = any(hull_distance(point, corners) < 1e-4 for corners in hulls)
                     assert is_known or any(
                         np.all((low <= point + 1e-6) & (point - 1e-6 <= high)) for low, high in boxes
                     )

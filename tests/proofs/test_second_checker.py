@@ -75,8 +75,8 @@ def text_of(name: str) -> str:
         record = certificate_of(decide_system(named(name)))
     except NoCertificateError:
         return ""
-    known = without_newer(record)
-    return json.dumps(known) if is_known(known) else ""
+    older = without_newer(record)
+    return json.dumps(older) if is_known(older) else ""
 
 
 def without_newer(record: Record) -> Record:
@@ -182,27 +182,27 @@ def test_both_checkers_reject(name: str) -> None:
 
 def test_the_corpus_is_accepted() -> None:
     """All good ones of theorems that the second checker knows, in one to eight states."""
-    known = {
+    records = {
         name: record
         for name, record in good_certificates().items()
         if is_known(record) and without_newer(record) is record
     }
-    refused = {name: second_checker.refusal(record) for name, record in known.items()}
+    refused = {name: second_checker.refusal(record) for name, record in records.items()}
     assert {why for why in refused.values() if why} <= {CURVED}
-    assert {len(record["statement"]["subject"]["states"]) for record in known.values()} == set(range(1, 9))
-    assert len(known) >= 200
+    assert {len(record["statement"]["subject"]["states"]) for record in records.values()} == set(range(1, 9))
+    assert len(records) >= 200
 
 
 @pytest.mark.parametrize("start", keep(1, range(8)))
 def test_what_is_forged_of_the_corpus_is_rejected(start: int) -> None:
     """Whatever the first checker must reject."""
-    good, seen = good_certificates(), 0
+    good, count = good_certificates(), 0
     for forgery in bad_certificates()[start::8]:
         if forgery.of not in good or forgery.text or not is_known(good[forgery.of]):
             continue
-        seen += 1
+        count += 1
         assert second_checker.refusal(json.loads(forged_text(forgery, good))), forgery
-    assert seen
+    assert count
 
 
 FORMULAS = [
@@ -301,8 +301,8 @@ def test_systems_in_one_state(rhs: str) -> None:
     record = certificate_of(decide_system(ns.System(["x"], [rhs]).system))
     assert {"stability": ONE_STATE[rhs]} in record["statement"]["claims"]
     assert by_signs(record["statement"]["subject"]) == ONE_STATE[rhs]
-    known = without_newer(record)
-    assert not is_known(known) or both(known) == ("", "")
+    older = without_newer(record)
+    assert not is_known(older) or both(older) == ("", "")
 
 
 def test_certificates_in_one_state() -> None:

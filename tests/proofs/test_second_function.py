@@ -53,9 +53,9 @@ def certificate(rhs: Any, function: str, states: str = "x y", radius: str | None
 
 
 @cache
-def searched(asked: str) -> str:
+def searched(key: str) -> str:
     """That certificate as text."""
-    rhs, function, states, radius, more = json.loads(asked)
+    rhs, function, states, radius, more = json.loads(key)
     return json.dumps(shown_by(rhs, function, states, radius, more))
 
 
@@ -69,7 +69,7 @@ def shown_by(rhs: Any, function: str, states: str, radius: str | None, more: Rec
         return None
     hypotheses: Record = {"cells": cells, "function": function, "second": second}
     if "direction" in more:
-        entry, shown = search.entry(read_system(subject), "instability", {**hypotheses, **more})
+        entry, claims = search.entry(read_system(subject), "instability", {**hypotheses, **more})
     else:
         defaults = {
             "verdict": "asymptotically stable",
@@ -78,8 +78,8 @@ def shown_by(rhs: Any, function: str, states: str, radius: str | None, more: Rec
             "below": False,
             "rate": None,
         }
-        entry, shown = search.entry(read_system(subject), "lyapunov", {**hypotheses, **defaults, **more})
-    return {"version": VERSION, "statement": {"subject": subject, "claims": shown}, "evidence": [entry]}
+        entry, claims = search.entry(read_system(subject), "lyapunov", {**hypotheses, **defaults, **more})
+    return {"version": VERSION, "statement": {"subject": subject, "claims": claims}, "evidence": [entry]}
 
 
 def oscillator(friction: str, potential: str) -> tuple[list[str], str]:
@@ -221,12 +221,12 @@ def test_places_at_which_other_functions_failed_are_looked_at_first(monkeypatch:
 
 @pytest.mark.parametrize("count", keep(1, [8, 30]))
 def test_random_dissipative_systems_against_observability(count: int) -> None:
-    known: Counter[tuple[bool, bool]] = Counter()
+    counts: Counter[tuple[bool, bool]] = Counter()
     for system in dissipative_systems(count):
         record = certificate(list(system.rhs), system.energy, " ".join(system.states))
         assert record is None or refused(record) == ""
-        known[record is not None, system.attracts] += 1
-    assert set(known) == {(True, True), (False, False)}, known  # complete on these
+        counts[record is not None, system.attracts] += 1
+    assert set(counts) == {(True, True), (False, False)}, counts  # complete on these
 
 
 # ---- forged --------------------------------------------------------------------------------------

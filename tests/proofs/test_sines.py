@@ -123,9 +123,9 @@ def test_waves_stand_in_sums_and_products_alone(text: str) -> None:
     subject = {"states": ["x", "y"], "rhs": [["-x", f"-y + {text}"]], "at": ["0", "0"]}
     certificate = check_system(ns.System(["x", "y"], ["-x", "-y"]).system).certificate()
     certificate["statement"]["subject"] = subject
-    said = refusal(certificate, 10**5)
-    assert said
-    assert UNSHOWN not in said
+    reason = refusal(certificate, 10**5)
+    assert reason
+    assert UNSHOWN not in reason
 
 
 SYSTEMS = {

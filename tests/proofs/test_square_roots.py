@@ -308,8 +308,8 @@ NEVER_EMPTY = ["-..", ".-.", "..-"]  # the tanks' levels near the point: their r
 
 def written(subject: Record, theorem: str, hypotheses: Record) -> Record:
     """A certificate of what a theorem shows; NotShownError where a hypothesis is not shown."""
-    entry, shown = Search().entry(read_subject(subject), theorem, hypotheses)
-    return {"version": VERSION, "statement": {"subject": subject, "claims": shown}, "evidence": [entry]}
+    entry, claims = Search().entry(read_subject(subject), theorem, hypotheses)
+    return {"version": VERSION, "statement": {"subject": subject, "claims": claims}, "evidence": [entry]}
 
 
 def by_roots(rhs: list[str], function: str, verdict: str = STABLE, **more: Any) -> Record:

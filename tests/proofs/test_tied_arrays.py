@@ -284,20 +284,20 @@ def compare_with_trajectories(arrays: Arrays, seed: int, starts: int) -> str:
 
 @pytest.mark.parametrize("block", range(8))
 def test_verdicts_agree_with_trajectories(arrays: Arrays, block: int) -> None:
-    seen = Counter(compare_with_trajectories(arrays, seed, starts=8) for seed in range(10 * block, 10 * block + 10))
-    assert seen["undecided"] == 0
+    counts = Counter(compare_with_trajectories(arrays, seed, starts=8) for seed in range(10 * block, 10 * block + 10))
+    assert counts["undecided"] == 0
 
 
 @thorough  # about all random cases, which `make bench` runs
 def test_all_verdicts_occur(arrays: Arrays) -> None:
-    seen = Counter(compare_with_trajectories(arrays, seed, starts=4) for seed in range(60))
-    assert {"stable", "asymptotically stable", "unstable", "no equilibrium"} <= set(seen)
+    counts = Counter(compare_with_trajectories(arrays, seed, starts=4) for seed in range(60))
+    assert {"stable", "asymptotically stable", "unstable", "no equilibrium"} <= set(counts)
 
 
 @thorough  # five hundred arrays, 32 starts each
 def test_few_verdicts_are_open(arrays: Arrays) -> None:
-    seen = Counter(compare_with_trajectories(arrays, seed, starts=32) for seed in range(1000, 1500))
-    assert seen["undecided"] <= 0.02 * 500
+    counts = Counter(compare_with_trajectories(arrays, seed, starts=32) for seed in range(1000, 1500))
+    assert counts["undecided"] <= 0.02 * 500
 
 
 # ---- What the checker accepts about translation, against paths that share no theory with it ------

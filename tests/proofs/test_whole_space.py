@@ -172,8 +172,8 @@ def system(rhs: tuple[str, ...] | list[list[str]]) -> ns.System:
 def test_every_start_arrives_by_a_searched_function(name: str) -> None:
     result = system(SEARCHED[name]).check()
     assert result.evidence.reach.everywhere
-    _, shown = show_evidence(*parse(certificate_text(result.certificate()).encode()))
-    assert {"attracts": "everywhere"} in shown
+    _, claims = show_evidence(*parse(certificate_text(result.certificate()).encode()))
+    assert {"attracts": "everywhere"} in claims
 
 
 @pytest.mark.parametrize("name", LOCAL)

@@ -273,8 +273,8 @@ def test_a_narrow_outline_makes_the_disc_smaller_until_nothing_is_said(
     """None for a radius is that of twice the accuracy, within which all starts would have to be."""
     scene = scene_of(tmp_path, MeasuredTable.random(3, "ellipse", off=3.0).toml).recentred()
     least = 2 * scene.accuracy
-    kept = ContactSet((), least if radius is None else Fraction(radius), None if angle is None else Fraction(angle))
-    ends = decide_ends(scene, scene.accuracy, kept=kept)
+    contacts = ContactSet((), least if radius is None else Fraction(radius), None if angle is None else Fraction(angle))
+    ends = decide_ends(scene, scene.accuracy, kept=contacts)
     assert (ends is not None) == is_said
     assert ends is None or least <= ends.within < 26
 
@@ -336,11 +336,11 @@ def test_no_sampled_motion_turns_faster_than_the_bound(rule: str, tmp_path: Path
     scene = scene_of(tmp_path, table.toml).recentred()
     bound, body, rng = largest_spin(scene, Fraction(20)), SmallSteps(table), np.random.default_rng(0)
     assert bound is not None
-    seen = []
+    spins = []
     for angle in rng.uniform(0, 2 * math.pi, 30):
         place = 20 * rng.uniform(0.3, 1) * np.array([math.cos(angle), math.sin(angle)])
-        seen.append(abs(body.twists(place[None])[0, 2] / body.length))
-    assert 0.2 * bound <= max(seen) <= bound
+        spins.append(abs(body.twists(place[None])[0, 2] / body.length))
+    assert 0.2 * bound <= max(spins) <= bound
 
 
 def test_friction_axes_of_their_own_are_followed_by_the_exact_cells() -> None:

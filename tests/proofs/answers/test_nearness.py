@@ -206,10 +206,10 @@ def test_symmetric_arrays_turn_at_the_enclosed_rate(seed: int, rule: str, tmp_pa
 def test_rims_that_neither_slip_nor_stand_are_held_by_less_than_their_friction(tmp_path: Path) -> None:
     rest = enclosed_rest(measured(tmp_path, MeasuredTable.symmetric(6, "roller")).recentred())
     assert rest is not None
-    x, y, spin, *held = rest.zero.entries()
-    assert len(held) == 2
-    assert all(abs(force) < (0.8**2 - 0.5**2) ** 0.5 for force in held)
-    unknowns = arb_mat([[entry] for entry in (spin * y, -spin * x, spin, held[0], arb(0.63))])
+    x, y, spin, *forces = rest.zero.entries()
+    assert len(forces) == 2
+    assert all(abs(force) < (0.8**2 - 0.5**2) ** 0.5 for force in forces)
+    unknowns = arb_mat([[entry] for entry in (spin * y, -spin * x, spin, forces[0], arb(0.63))])
     assert rest.balance.at(unknowns, (x, y)) is None  # it may begin to slip
 
 
@@ -412,8 +412,8 @@ def test_no_rings_in_smaller_pieces_where_those_that_are_shown_leave_the_wheels(
         return rings_about(*arguments)
 
     monkeypatch.setattr("nonsmooth.proofs.robust.ends.rings_about", counted)
-    kept = ContactSet((), Fraction(50), Fraction(1, 2**40))  # the body may turn by next to nothing
-    assert decide_ends(scene, scene.accuracy, kept=kept) is None
+    contacts = ContactSet((), Fraction(50), Fraction(1, 2**40))  # the body may turn by next to nothing
+    assert decide_ends(scene, scene.accuracy, kept=contacts) is None
     assert asked
     assert set(asked) == {FINER}
     assert isinstance(decide_ends(scene, scene.accuracy), Ends)
@@ -452,9 +452,9 @@ def test_a_printed_place_of_the_end_is_not_farther_off_than_is_said() -> None:
     at, about = (Fraction("150.0648"), Fraction("100.0846")), Fraction("0.0162")
     ends = Ends(about, Fraction(50), Fraction(50), Fraction(3), at, about)
     words = _where(load_scene("four-wheel"), ends, " mm")
-    shown = re.fullmatch(r"it ends within (.*) mm of \((.*), (.*)\)", words)
-    assert shown is not None
-    radius, *place = map(Fraction, shown.groups())
+    match = re.fullmatch(r"it ends within (.*) mm of \((.*), (.*)\)", words)
+    assert match is not None
+    radius, *place = map(Fraction, match.groups())
     away = math.hypot(*(float(a - b) for a, b in zip(place, at, strict=True)))
     assert float(radius) >= about + away
     assert float(radius) <= 1.2 * about

@@ -113,9 +113,9 @@ def test_forged_ones_are_rejected(
 
 def test_every_condition_refuses_alone() -> None:
     """What a checker without it would accept; and the corpus holds these files."""
-    kept = [forgery for forgery in (*bad_certificates(), *bad_arrays()) if forgery.because]
-    assert kept == [*conditions(), *array_conditions()]
-    for forgery in kept:
+    with_reasons = [forgery for forgery in (*bad_certificates(), *bad_arrays()) if forgery.because]
+    assert with_reasons == [*conditions(), *array_conditions()]
+    for forgery in with_reasons:
         assert forged(forgery, good_certificates() | good_arrays()) == forgery.because
 
 
@@ -143,15 +143,15 @@ def test_the_command_says_the_same(start: int, tmp_path: Path) -> None:
     """Some of each, as files."""
     good = good_certificates() | good_arrays()
     for name in list(good)[start::80]:
-        status, said = alone(GOOD / f"{name}.json")
-        assert (status, said.splitlines()[0].split(":")[0]) == (0, "valid"), name
+        status, output = alone(GOOD / f"{name}.json")
+        assert (status, output.splitlines()[0].split(":")[0]) == (0, "valid"), name
     for forgery in (*bad_certificates(), *bad_arrays())[start::1600]:
         path = tmp_path / "forged.json"
         path.write_text(forged_text(forgery, good), encoding="utf-8")
-        status, said = alone(path)
-        assert said.startswith(STATUS[status]), forgery.record
+        status, output = alone(path)
+        assert output.startswith(STATUS[status]), forgery.record
         assert status, forgery.record
-        assert said.count("\n") == 1
+        assert output.count("\n") == 1
 
 
 def test_texts_are_forged_at_one_place(tmp_path: Path) -> None:
@@ -327,7 +327,7 @@ def test_clipped_polygons_hold_the_points_of_their_half_planes() -> None:
 
 def test_rays_to_what_lies_outside_the_disc_lie_between_the_ends() -> None:
     """A function that is convex on rays, ``|c| - 2 m . c``, is positive outside the disc only if it is at an end."""
-    rng, seen = np.random.default_rng(4), 0
+    rng, count = np.random.default_rng(4), 0
     for _ in range(150):
         square, lines = polygon(rng)
         part = clipped(square, lines)
@@ -335,12 +335,12 @@ def test_rays_to_what_lies_outside_the_disc_lie_between_the_ends() -> None:
         m = rng.normal(size=2)
         points = rng.uniform(-2, 2, (300, 2))
         sides = np.array(part, dtype=float).reshape(-1, 3)
-        kept = (points @ sides[:, :2].T <= sides[:, 2]).all(axis=1) & bool(part)
-        outer = points[kept & (np.hypot(*points.T) > 1)]
+        within = (points @ sides[:, :2].T <= sides[:, 2]).all(axis=1) & bool(part)
+        outer = points[within & (np.hypot(*points.T) > 1)]
         positive = np.hypot(*outer.T) - 2 * outer @ m > 1e-9
         if not ends:
             assert not len(outer)
         elif positive.any():
             assert any(np.hypot(*end) > 2 * end @ m for end in ends)
-            seen += not all(np.hypot(*end) > 2 * end @ m for end in ends)
-    assert seen > 10
+            count += not all(np.hypot(*end) > 2 * end @ m for end in ends)
+    assert count > 10

@@ -106,11 +106,11 @@ def test_the_numbers_of_the_subject_are_said_in_words() -> None:
 def test_numbers_beyond_floats_are_said() -> None:
     """A point at ``10^400``, and one beside which no float but zero is near."""
     plain = good_certificates()["one-linear-1"]
-    for square, said in (("1" + 800 * "0", "1.00000e+400"), ("1", "1")):
+    for square, text in (("1" + 800 * "0", "1.00000e+400"), ("1", "1")):
         root = {"name": "t", "polynomial": [f"-{square}", "0", "1"], "above": "1/2"}
         subject = {"states": ["x"], "rhs": [["-x"]], "at": [[["1", 0]]], "numbers": [root]}
         (line, *_) = describe({**plain["statement"], "subject": subject})
-        assert f"at (({said} rounded))" in line
+        assert f"at (({text} rounded))" in line
     field = [{"polynomial": ["-2", "0", "1"], "above": "1"}]
     array = good_arrays()["array-four-wheel-nearest"]["statement"]
     drift = {"drift": [[["1", 0]], "2", "1/" + "1" + 400 * "0"]}
@@ -206,8 +206,8 @@ def test_a_false_bound_of_a_rate_is_refused() -> None:
         proofs = {**entry["proofs"], "rate cell ": {"simplices": [{}] * 8}}
         claimed["evidence"] = [{**entry, "hypotheses": hypotheses, "proofs": proofs}]
         claimed["statement"]["claims"] = [{"stability": "asymptotically stable"}]
-        said = refused(claimed)
-        assert ("coefficients" not in said) if holds else said
+        reason = refused(claimed)
+        assert ("coefficients" not in reason) if holds else reason
 
 
 # ---- arithmetic ----------------------------------------------------------------------------------

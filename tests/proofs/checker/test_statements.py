@@ -305,9 +305,9 @@ def test_formulas_are_one_line_of_arithmetic(text: str, tmp_path: Any) -> None:
     """No comment and no line break of a formula gets into what the command prints; nothing but its grammar is read."""
     path = tmp_path / "forged.json"
     path.write_text(certificate_text(text, function="x**2"), encoding="utf-8")
-    status, said = check_file(str(path))
+    status, output = check_file(str(path))
     assert status == (0 if text == "-x\n" else 1)  # blanks around a formula are no part of it
-    assert "\n" not in said.removeprefix("valid\n")
+    assert "\n" not in output.removeprefix("valid\n")
 
 
 def test_brackets_that_are_nested_too_deeply(tmp_path: Any) -> None:

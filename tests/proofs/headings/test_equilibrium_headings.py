@@ -141,13 +141,13 @@ def test_a_grid_of_headings_finds_what_is_listed_and_no_more(
     assert all(one.edge for one in found.undecided)  # no range of headings is left open here
     oracle = Oracle(scene, (float(eval_fraction(size[0])) / 2, float(eval_fraction(size[1])) / 2))
     centre = np.array([float(x) for x in scene.check.equilibrium])
-    known: dict[bytes, Floats | None] = {}
+    rates: dict[bytes, Floats | None] = {}
     turning: list[tuple[float, float]] = []
     for theta in np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False) + 0.00131:
         under = oracle.under(np.array([*centre, theta]))
-        if under.tobytes() not in known:
-            known[under.tobytes()] = oracle.rate(under, centre)
-        rate = known[under.tobytes()]
+        if under.tobytes() not in rates:
+            rates[under.tobytes()] = oracle.rate(under, centre)
+        rate = rates[under.tobytes()]
         listed = [entry for entry, low, high in ranges if inside(low, high, float(theta))]
         stays = rate is not None and float(np.abs(rate[:2]).max()) <= STAYS
         assert len(listed) == stays, theta

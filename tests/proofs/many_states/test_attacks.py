@@ -299,10 +299,10 @@ def test_cells_are_those_that_points_are_in(seed: int) -> None:
     cells = build_cells(system, system.check.radius)
     points = rng.uniform(-0.5, 0.5, (60_000, 3))
     values = np.column_stack([_values(surface, points) for surface in cells.surfaces])
-    seen = {tuple(int(v) for v in row) for row in np.sign(values) if row.all()}
-    assert seen <= {cell.signs for cell in cells.cells}
+    patterns = {tuple(int(v) for v in row) for row in np.sign(values) if row.all()}
+    assert patterns <= {cell.signs for cell in cells.cells}
     for cell in cells.cells:
-        if cell.signs not in seen:  # a thin one: not proved to be empty
+        if cell.signs not in patterns:  # a thin one: not proved to be empty
             guards = [s * e for s, e in zip(cells.surfaces, cell.signs, strict=True)]
             assert not is_empty(guards, system.check.radius)
 
@@ -408,7 +408,7 @@ def slides(rhs: Sequence[str], weights: Sequence[int]) -> list[Refutation]:
 @pytest.mark.parametrize(("count", "sought"), keep(1, [(3, 1), (5, 2), (14, 2)]))
 def test_random_functions_that_are_proved_are_not_refuted(count: int, sought: int) -> None:
     rng = np.random.default_rng(2)
-    known: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for _ in range(count):
         a, c = rng.integers(1, 4, 3), rng.integers(1, 5, 3)
         coupled = rng.integers(-6, 7, 3)
@@ -416,15 +416,15 @@ def test_random_functions_that_are_proved_are_not_refuted(count: int, sought: in
         audited = audit(built(rhs), bent(c.tolist()))
         assert audited.function is not None
         function = audited.function
-        known[function.decrease] += 1
-        if function.decrease is Decrease.STRICT and known[Decrease.STRICT] <= sought:
+        counts[function.decrease] += 1
+        if function.decrease is Decrease.STRICT and counts[Decrease.STRICT] <= sought:
             assert not slides(rhs, c.tolist())
         if function.reason == SLIDES_UP:
-            known[SLIDES_UP] += 1
+            counts[SLIDES_UP] += 1
             point, value = witness(audited)
             assert largest_slide(rhs, c.tolist(), [float(v) for v in point]) == pytest.approx(float(value), abs=1e-6)
-    assert known[Decrease.STRICT] >= count // 5
-    assert known[SLIDES_UP] >= 1
+    assert counts[Decrease.STRICT] >= count // 5
+    assert counts[SLIDES_UP] >= 1
 
 
 # ---- Points beside which others of rest lie: friction and relays, and points that attract --------
@@ -501,9 +501,9 @@ def test_programs_that_hold_one_that_is_too_large_are_not_built(monkeypatch: pyt
     """In eight states with nine switching surfaces they took more than five minutes, and were thrown away."""
     switched_system, sizes, build = system("xyz", CHAIN), list[int](), lyapunov_search._problems
 
-    def counted(*given: Any, **named: Any) -> Any:
-        sizes.append(len(given[2]))
-        return build(*given, **named)
+    def counted(*arguments: Any, **named: Any) -> Any:
+        sizes.append(len(arguments[2]))
+        return build(*arguments, **named)
 
     monkeypatch.setattr(lyapunov_search, "_problems", counted)
     assert not list(proposals(switched_system, positive=True, entries=range(1)))

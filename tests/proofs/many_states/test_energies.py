@@ -114,7 +114,7 @@ def test_few_products_are_asked_that_fail_nearer_an_axis(monkeypatch: pytest.Mon
 
 
 def test_few_rows_contradict_each_other_only_where_all_do() -> None:
-    drawn, seen = np.random.default_rng(3), set()
+    drawn, outcomes = np.random.default_rng(3), set()
     for _ in range(30):
         count = int(drawn.integers(2, 6))
         rows = drawn.normal(size=(400, count)) + drawn.normal(size=count) * drawn.choice([0.5, 3.0])
@@ -122,8 +122,8 @@ def test_few_rows_contradict_each_other_only_where_all_do() -> None:
         least = least_sum(rows, limits, np.ones(count), 64.0)
         contradict = some_contradict(rows, limits, np.ones(count), 64.0)
         assert least is None or not contradict
-        seen.add((least is None, contradict))
-    assert {(True, True), (False, False)} <= seen
+        outcomes.add((least is None, contradict))
+    assert {(True, True), (False, False)} <= outcomes
 
 
 @pytest.mark.parametrize("radius", keep(1, ["1/8", "1/100", "1/2"]))

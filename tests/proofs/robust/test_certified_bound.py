@@ -109,8 +109,8 @@ def claim_other(certificate: Record, key: str, value: Any) -> None:
 
 def scaled(key: str, factor: Fraction) -> Callable[[Record], None]:
     def forge(certificate: Record) -> None:
-        known = {**subject(certificate)["tolerances"], **said(certificate)["tolerances"]}
-        claim_other(certificate, key, str(Fraction(known[key]) * factor))
+        tolerances = {**subject(certificate)["tolerances"], **said(certificate)["tolerances"]}
+        claim_other(certificate, key, str(Fraction(tolerances[key]) * factor))
 
     return forge
 
