@@ -26,10 +26,10 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 WORK = 2_000  # coefficients looked at for one claim beside sums of squares
 
-Known: TypeAlias = tuple[PiecewiseExpression, Number]  # V in the displacement, and half the side of its cube
+LocalFunction: TypeAlias = tuple[PiecewiseExpression, Number]  # V in the displacement, and half the side of its cube
 
 
-def find_approach(system: SwitchedSystem, known: Known | None = None) -> Record | None:
+def find_approach(system: SwitchedSystem, known: LocalFunction | None = None) -> Record | None:
     """The entry of a certificate that shows that solutions approach the set of equilibria; None where it is not shown.
 
     Args:
@@ -43,7 +43,7 @@ def find_approach(system: SwitchedSystem, known: Known | None = None) -> Record 
     radius = seen_system.check.radius
     functions = [] if known is None else [known]
     functions += [(v, radius) for v in (*energies_within(seen_system, radius), seen_system.check.lyapunov)]
-    serving: list[Known] = []  # what holds on a cube holds on its half, which refutes most functions at once
+    serving: list[LocalFunction] = []  # what holds on a cube holds on its half, which refutes most functions at once
     for potential, half in functions:
         if _first_shown(subject, _with_bounds(seen_system, subject, potential, half / 2)) is not None:
             serving.append((potential, half))

@@ -27,7 +27,7 @@ from nonsmooth.proofs.inequalities.prover import Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
 from nonsmooth.proofs.kernel.bases import functions_on
 from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, rational, stated_cells, surfaces_of
-from nonsmooth.proofs.kernel.search import Collected, Functions, Search, decide_claim, directed_hypotheses
+from nonsmooth.proofs.kernel.search import DeferredClaims, Functions, Search, decide_claim, directed_hypotheses
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, with_values
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text, formula_in_names, subjects_of
 from nonsmooth.proofs.kernel.written import terms_of
@@ -255,7 +255,7 @@ class FallingFunction:
     # ---- claims ----------------------------------------------------------------------------------
 
     def _claims(self, ask: Callable[..., None], *values: Any) -> list[Claim]:
-        self.conditions.proofs = collected = Collected()
+        self.conditions.proofs = collected = DeferredClaims()
         ask(self.conditions, *values)
         return collected.claims
 

@@ -23,7 +23,7 @@ CROSSINGS = 8.0  # of the square, at the least speed: as long as a path is follo
 
 
 @dataclass(frozen=True)
-class OwnPath:
+class NearPath:
     """One of them.
 
     Attributes:
@@ -37,7 +37,7 @@ class OwnPath:
     last: float
 
 
-def paths_from(partition: Partition, starts: Sequence[XY]) -> Iterator[OwnPath]:
+def paths_from(partition: Partition, starts: Sequence[XY]) -> Iterator[NearPath]:
     """Follow the open loop of a centred, complete partition; what follows it is loaded only here."""
     import numpy as np
 
@@ -58,7 +58,7 @@ def paths_from(partition: Partition, starts: Sequence[XY]) -> Iterator[OwnPath]:
         except TrajectoryError:  # the simulator gives up: that says nothing about the verdict
             continue
         distances = np.hypot(path.array[:, 0], path.array[:, 1])
-        yield OwnPath((x, y), float(distances.max()), float(distances[-1]))
+        yield NearPath((x, y), float(distances.max()), float(distances[-1]))
 
 
 def starts_around(partition: Partition, distance: float, count: int = STARTS) -> list[XY]:

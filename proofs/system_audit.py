@@ -37,9 +37,9 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import (
     RISES,
     Decrease,
+    InvariantMotion,
     Refutation,
-    Staying,
-    decide_staying,
+    decide_invariant_motion,
     examine,
     refutations,
 )
@@ -289,9 +289,9 @@ def _judged_in_the_plane(
         reason = NOT_OF_THE_FIELD if witness is None else witness.meaning
         verdict = AuditVerdict.UNDECIDED if witness is None else verdict
     if function.decrease is Decrease.WEAK:
-        staying = decide_staying(scene, function.formula, scene.check.radius, cells)
-        reason = f"{reason}{', and' if staying is Staying.NONE else ';'} {staying}"
-        proves = Translation.ASYMPTOTICALLY_STABLE if staying is Staying.NONE else proves
+        staying = decide_invariant_motion(scene, function.formula, scene.check.radius, cells)
+        reason = f"{reason}{', and' if staying is InvariantMotion.NONE else ';'} {staying}"
+        proves = Translation.ASYMPTOTICALLY_STABLE if staying is InvariantMotion.NONE else proves
     return verdict, proves, reason, _named(witness)
 
 
@@ -339,7 +339,7 @@ def _audit_in_space(scene: SwitchedSystem, lyapunov: str) -> AuditResult:
 def _judged_in_space(scene: SwitchedSystem, function: ExaminedLyapunov) -> Judgement:
     """The verdict that follows from the conditions."""
     if function.attraction(scene) is not None:
-        reason = f"{function.reason}, and {Staying.NONE}"
+        reason = f"{function.reason}, and {InvariantMotion.NONE}"
         return AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE, reason, None
     verdict, proves = JUDGED[function.decrease]
     reason, witness = function.reason, function.witness

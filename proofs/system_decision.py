@@ -21,7 +21,7 @@ from nonsmooth.proofs.systems.findings import (
     DecidedSystem,
     ExaminedFunction,
     Finding,
-    Known,
+    Findings,
     Method,
     PlaneFunction,
     Reach,
@@ -234,7 +234,7 @@ def _ask_strategies(point: CheckedPoint) -> None:
         except (BeyondReachError, NotShownError):
             continue
         if found is not None:
-            point.known = Known((*point.known.findings, found))
+            point.known = Findings((*point.known.findings, found))
             if found.is_final:
                 break
 
@@ -561,7 +561,7 @@ KERNEL = "nonsmooth.proofs.kernel_strategies"
 LINE = "nonsmooth.proofs.systems.scalar_stability"
 IN_PLANE = "nonsmooth.proofs.systems.system_stability"
 IN_SPACE = "nonsmooth.proofs.many_states.decision"
-SILENT, OPEN = Known.is_silent, Known.leaves_attraction_open
+SILENT, OPEN = Findings.is_silent, Findings.leaves_attraction_open
 
 STRATEGIES = [
     Strategy("right-hand sides without sines", ONE, __name__, "decide_by_exact_sides", SILENT),

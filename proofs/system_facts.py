@@ -456,7 +456,7 @@ def _derivatives(function: ExaminedFunction) -> Iterator[Fact]:
 
 
 def _supremum(key: str, row: str, found: Supremum) -> Fact:
-    sign, value = str(found.trend), found.value
+    sign, value = str(found.supremum_sign), found.value
     record = {"sign": sign, "value": Quantity(value), "point": Quantity(found.point)}
     words, shown = ("{}", (sign,)) if value is None else ("{} ({})", (sign, value))
     return Fact(key, record, words, shown, row=row)

@@ -71,7 +71,7 @@ class SeenRest:
 
 
 @dataclass(frozen=True)
-class MetSets:
+class ObservedSets:
     """What was met on the grid.
 
     Attributes:
@@ -107,7 +107,7 @@ class RestSearch:
         self._pulls = self._forces_at_rest()
         self.reach = self._outline.spacing
 
-    def meet(self) -> MetSets:
+    def meet(self) -> ObservedSets:
         """The contact sets about the point."""
         steps = np.linspace(-self.reach, self.reach, PLACES)
         width = steps[1] - steps[0]
@@ -126,14 +126,14 @@ class RestSearch:
                 for carrying in (without, including):
                     sets.setdefault(carrying.tobytes(), carrying)
         count = self.model.wheels
-        return MetSets(
+        return ObservedSets(
             np.array(list(sets.values())).reshape(-1, count),
             np.array([without for without, _ in pairs.values()]).reshape(-1, count),
             np.array([wheel for _, wheel, _ in pairs], int),
             np.array([place for _, place in pairs.values()]).reshape(-1, 2),
         )
 
-    def under_the_edge(self, met: MetSets) -> list[SeenRest]:
+    def under_the_edge(self, met: ObservedSets) -> list[SeenRest]:
         """Rest off the point with one wheel under the edge, on the pairs met."""
         if not len(met.pairs):
             return []
@@ -153,7 +153,7 @@ class RestSearch:
                     kept.append(rest)
         return kept
 
-    def on_one_set(self, met: MetSets) -> list[SeenRest]:
+    def on_one_set(self, met: ObservedSets) -> list[SeenRest]:
         """Rest off the point on one set of wheels, where all slip: forces and moment balance; the nearest first."""
         found = []
         for carrying in met.sets:
@@ -179,7 +179,7 @@ class RestSearch:
         apart = [*np.subtract(first.place, second.place), (first.theta - second.theta) * size]
         return first.edge == second.edge and bool(max_norm(apart) <= ALIKE * size)
 
-    def _nearly_at_rest(self, met: MetSets) -> tuple[Mask, Indices, Mask, Floats]:
+    def _nearly_at_rest(self, met: ObservedSets) -> tuple[Mask, Indices, Mask, Floats]:
         """The pairs whose motions nearly cancel: without the wheel, the wheel, with it, and ``(x, y, w)`` to start at.
 
         The nearest to zero of all ``(1 - w) F_1 + w F_2`` is compared with the larger of both.
@@ -289,7 +289,7 @@ class RestSearch:
         return row_products(forces[:, :, None], self.model.rows.reshape(-1, 2, 3))
 
 
-def _least(left: Floats, met: MetSets) -> Indices:
+def _least(left: Floats, met: ObservedSets) -> Indices:
     """The rows from which pairs are followed, those with the least residual first."""
     taken: dict[tuple[bytes, int], int] = {}
     chosen = []

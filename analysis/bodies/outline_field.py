@@ -186,7 +186,7 @@ class _Cell:
 
 
 @dataclass
-class _Around:
+class _PoseNeighbourhood:
     """What lies around a pose: its faces, and whether the body may tip there."""
 
     faces: list[Face]
@@ -213,7 +213,7 @@ class OutlineField:
         self._slack = SURFACE_SLACK * self.size
         self._edges = [self._edge(k) for k in range(outline.count)]
         self._depths: tuple[bytes, Floats] = (b"", np.zeros(0))
-        self._known: dict[object, _Around] = {}
+        self._known: dict[object, _PoseNeighbourhood] = {}
         self._of_lines: dict[tuple[int, ...], tuple[Pattern, ...]] = {}
         self._tied: set[str] = set()
         self.wheels_of: dict[str, Wheels] = {}
@@ -245,7 +245,7 @@ class OutlineField:
 
     # ---- faces -----------------------------------------------------------------------------------
 
-    def _around(self, x: Floats) -> _Around:
+    def _around(self, x: Floats) -> _PoseNeighbourhood:
         depths = self._depths_at(x)
         edge = [int(k) for k in np.flatnonzero(np.abs(depths) <= self._slack)]
         place = _Place(self.under(x), tuple(edge))
@@ -285,7 +285,7 @@ class OutlineField:
             if abs(line.value(x)) <= self._slack and line not in place.lines:
                 place.lines.append(line)
 
-    def _build(self, place: _Place, surfaces: Sequence[Surface], patterns: Sequence[Pattern]) -> _Around:
+    def _build(self, place: _Place, surfaces: Sequence[Surface], patterns: Sequence[Pattern]) -> _PoseNeighbourhood:
         """The faces of the patterns that have poses."""
         full = {p: self._cells(place, surfaces, p) for p in patterns if 0 not in p}
         faces: dict[object, Face] = {}
@@ -296,7 +296,7 @@ class OutlineField:
             members = {cell for cells in around for cell in cells or ()}
             face = self._face(surfaces, pattern, sorted(members, key=lambda one: (sorted(one.wheels), one.cell.number)))
             faces.setdefault((face.keep, face.members, frozenset(face.bounds)), face)
-        return _Around(list(faces.values()), None in full.values())
+        return _PoseNeighbourhood(list(faces.values()), None in full.values())
 
     def _cells(self, place: _Place, surfaces: Sequence[Surface], pattern: Pattern) -> tuple[_Cell, ...] | None:
         """The cell on the sides of a full pattern, none where it is too small; None where the body tips."""

@@ -53,7 +53,7 @@ class Settling(StrEnum):
 
 
 @dataclass(frozen=True)
-class Settled:
+class SettlingResult:
     """One start, and what becomes of it.
 
     Attributes:
@@ -79,7 +79,7 @@ class Settled:
 
 def settle(
     scene: Scene, body: RigidBody, start: Pose, accuracy: float, chunk: float, is_long: bool, faded: float = 1.0
-) -> Settled:
+) -> SettlingResult:
     """Follow one body from rest until it settles.
 
     Args:
@@ -128,7 +128,7 @@ def settle(
         distances = norms(np.concatenate(places) - ends_at)
         after, swings = arrival(np.concatenate(times), distances, accuracy), swings_of(distances, accuracy)
     amplitude = swing.later if kind is Settling.LIMIT_CYCLE else None
-    return Settled(start, kind, end, begin, after, swings, amplitude, work)
+    return SettlingResult(start, kind, end, begin, after, swings, amplitude, work)
 
 
 def _is_steady(size: float, before: float) -> bool:

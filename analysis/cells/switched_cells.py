@@ -63,7 +63,7 @@ class LyapunovCell(FieldCell):
         return tuple(a * f + b * g for f, g in self.velocities)
 
 
-class Unsettled(Exception):
+class SignChangingRegion(Exception):
     """A region on which a surface changes its sign."""
 
     def __init__(self, surface: Polynomial) -> None:
@@ -104,7 +104,7 @@ def _cut_once(
         return
     try:
         yield region, evaluate(lambda surface: sign_on(region, surface))
-    except Unsettled as found:
+    except SignChangingRegion as found:
         yield from ((part, None) for part in region.split(found.surface))
 
 
@@ -112,13 +112,13 @@ def sign_on(region: Region, surface: Polynomial) -> int:
     """Sign of a polynomial inside a region.
 
     Raises:
-        Unsettled: with a factor that changes its sign there.
+        SignChangingRegion: with a factor that changes its sign there.
     """
 
     def settled(factor: Polynomial) -> int:
         sign = region.sign_of(factor)
         if sign is None:
-            raise Unsettled(factor)
+            raise SignChangingRegion(factor)
         return sign
 
     return sign_by_factors(surface, settled)

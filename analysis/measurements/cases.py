@@ -27,7 +27,7 @@ from nonsmooth.analysis.loads.spring_loads import RESIDUAL
 from nonsmooth.analysis.measurements.harness import EPSILON, Case, ResultRow, Rows, counted, judged, refused
 from nonsmooth.analysis.measurements.reference_paths import (
     MeasuredField,
-    Reached,
+    ReferenceEnd,
     ball,
     follow_series,
     gradient_pieces,
@@ -406,7 +406,7 @@ def _long_row(measured: MeasuredField) -> ResultRow:
     if path.end.reason is EndReason.EVENTS:
         ok = all(math.isfinite(float(value)) for value in path.end.state)
         return ResultRow(case, parameter, verdict, ok=ok, note="a clear end: no endless loop, no invented limit")
-    reached, why = Reached(float(path.end.t), path.end.state), "it ends"
+    reached, why = ReferenceEnd(float(path.end.t), path.end.state), "it ends"
     if measured.exact is not None:
         reached = measured.reached(start, min(until, reached.time))
         why = "rounding of the time times the speed"

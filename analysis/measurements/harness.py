@@ -87,7 +87,7 @@ BETWEEN = 0.01  # seconds between two looks at the processor time
 Result = TypeVar("Result")
 
 
-class OutOfTime(Exception):
+class TrialTimeout(Exception):
     """A trial that reached its time limit."""
 
 
@@ -109,7 +109,7 @@ class Clock:
         return time.process_time() - self._start
 
     def check(self) -> None:
-        """Raise :class:`OutOfTime` once the limit is reached.
+        """Raise :class:`TrialTimeout` once the limit is reached.
 
         Asking the system for processor time may take longer than a step does: within :data:`BETWEEN` it is not asked
         again.
@@ -119,7 +119,7 @@ class Clock:
             return
         self._asked = now
         if self.elapsed > self._limit:
-            raise OutOfTime
+            raise TrialTimeout
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def timed(work: Callable[[Clock], Result], limits: Limits) -> tuple[Result, floa
     """The result of the first run, and the time of the shortest: the one that the machine disturbed least.
 
     Raises:
-        OutOfTime: where the first run takes longer than the limit.
+        TrialTimeout: where the first run takes longer than the limit.
     """
     clock = Clock(limits.seconds)
     result = work(clock)
@@ -236,7 +236,7 @@ class Study:
             return replace(row, outcome=Outcome.TIME_OUT, ok=False, note="not tried after a time-out")
         try:
             result, seconds = timed(trial.work, limits)
-        except OutOfTime:
+        except TrialTimeout:
             return replace(row, outcome=Outcome.TIME_OUT, ok=False, note=f"not done within {limits.seconds:g} s")
         except (RuntimeError, ValueError, ArithmeticError) as error:
             return replace(row, outcome=Outcome.FAILED, ok=False, note=_first_sentence(str(error)))

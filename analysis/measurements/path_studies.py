@@ -20,7 +20,7 @@ from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, 
 from nonsmooth.analysis.measurements.reference_paths import (
     STARTS,
     MeasuredField,
-    Reached,
+    ReferenceEnd,
     measured_system,
     reference_paths,
 )
@@ -67,7 +67,7 @@ Simulator: TypeAlias = Callable[[Any, Start, float], Trajectory]
 
 
 @dataclass(frozen=True)
-class Followed:
+class MethodPath:
     """A path as a method leaves it, without events where the method does not look for them."""
 
     times: Sequence[Any]
@@ -76,7 +76,7 @@ class Followed:
     events: Sequence[Event] = ()
 
 
-Follow: TypeAlias = Callable[[Start, float, Clock], Followed]
+Follow: TypeAlias = Callable[[Start, float, Clock], MethodPath]
 Method: TypeAlias = tuple[str, Follow, str | None, float | None]  # its name, the method, its setting by name and value
 
 
@@ -94,7 +94,7 @@ def build_trajectories(scene: Scene) -> StudyPlan:
     if not paths:
         raise LeftOut("no exact paths: from each start several paths begin")
 
-    def judge(method: str, results: Sequence[Followed]) -> Assessment:
+    def judge(method: str, results: Sequence[MethodPath]) -> Assessment:
         pairs = list(zip(paths, results, strict=True))
         details = {"end": max(path.error_at(r.times[-1], r.states[-1]) for path, r in pairs)}
         late = (path.event_error(result.events) for path, result in pairs)
@@ -129,7 +129,7 @@ def build_system_paths(scene: SwitchedSystem) -> StudyPlan:
     if not routes:
         raise LeftOut("no reference path: all starts slide, rest or lie on a surface at once")
 
-    def judge(method: str, results: Sequence[Followed]) -> Assessment:
+    def judge(method: str, results: Sequence[MethodPath]) -> Assessment:
         ends = zip(results, routes, strict=True)
         error = max(measured.distance(result.states[-1], reached.state) for result, (_, reached) in ends)
         return Assessment(error, work={"steps": sum(result.steps for result in results)})
@@ -142,7 +142,7 @@ def build_system_paths(scene: SwitchedSystem) -> StudyPlan:
     return StudyPlan(reference, trials, SYSTEM_ORDERS if crosses else {}, note)
 
 
-def _routes(measured: MeasuredField) -> Iterator[tuple[Start, Reached]]:
+def _routes(measured: MeasuredField) -> Iterator[tuple[Start, ReferenceEnd]]:
     """Starts with where the reference gets to; those from which it gets nowhere are left out."""
     for a, b in SYSTEM_STARTS:
         start = measured.place(a / 16, b / 16)
@@ -180,11 +180,11 @@ def _by_events(
 def _path_trials(
     methods: Iterable[Method],
     routes: Sequence[tuple[Start, float]],
-    judge: Callable[[str, Sequence[Followed]], Assessment],
+    judge: Callable[[str, Sequence[MethodPath]], Assessment],
 ) -> tuple[Trial, ...]:
     """Each trial follows the paths from all starts."""
 
-    def work(follow: Follow, clock: Clock) -> list[Followed]:
+    def work(follow: Follow, clock: Clock) -> list[MethodPath]:
         return [follow(start, until, clock) for start, until in routes]
 
     return tuple(
@@ -193,15 +193,15 @@ def _path_trials(
     )
 
 
-def _in_closed_form(field: ConstantField, start: Start, until: float, clock: Clock) -> Followed:
+def _in_closed_form(field: ConstantField, start: Start, until: float, clock: Clock) -> MethodPath:
     """From event to event of a field that is constant on polygons."""
     found = simulate(field, start, until)
-    return Followed(found.times, found.states, len(found.pieces), found.events)
+    return MethodPath(found.times, found.states, len(found.pieces), found.events)
 
 
 def _simulated(
     simulator: Simulator, field: CellwiseField | SignField, start: Start, until: float, clock: Clock
-) -> Followed:
+) -> MethodPath:
     """One of the program's own integrators; the field looks at the clock at every evaluation."""
 
     def watched(velocity: Velocity) -> Velocity:
@@ -217,7 +217,7 @@ def _simulated(
     else:
         members = tuple(Member(member.name, watched(member.velocity)) for member in field.members)
         found = simulator(replace(field, members=members), start, until)
-    return Followed(found.times, found.states, len(found.times), found.events)
+    return MethodPath(found.times, found.states, len(found.times), found.events)
 
 
 def follow_without_events(
@@ -227,7 +227,7 @@ def follow_without_events(
     start: Start,
     until: float,
     clock: Clock,
-) -> Followed:
+) -> MethodPath:
     """SciPy's ``solve_ivp`` on the field as it stands, jumps and all.
 
     Args:
@@ -252,7 +252,7 @@ def follow_without_events(
     found = solve_ivp(velocity, (0.0, until), start, method, rtol=tolerances[0], atol=tolerances[1])
     if found.status < 0:
         raise RuntimeError(found.message)
-    return Followed(found.t.tolist(), found.y.T.tolist(), len(found.t))
+    return MethodPath(found.t.tolist(), found.y.T.tolist(), len(found.t))
 
 
 TRAJECTORIES = Study(

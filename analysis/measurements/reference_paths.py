@@ -62,7 +62,7 @@ class ReferencePiece:
 
 
 @dataclass(frozen=True)
-class Reached:
+class ReferenceEnd:
     """Where a reference path ends: time, state, crossings passed, and why (empty: the time is over)."""
 
     time: float
@@ -82,7 +82,7 @@ def precision() -> Iterator[None]:
         ctx.prec, ctx.cap = before
 
 
-def follow_series(pieces: Sequence[ReferencePiece], start: Sequence[float], until: float) -> Reached:
+def follow_series(pieces: Sequence[ReferencePiece], start: Sequence[float], until: float) -> ReferenceEnd:
     """Follow a path over crossings, in steps of Taylor series.
 
     Args:
@@ -108,14 +108,14 @@ def follow_series(pieces: Sequence[ReferencePiece], start: Sequence[float], unti
             state, time = [arb_poly(list(s))(moved).mid() for s in series], (time + moved).mid()
             if not met:
                 if step is left:
-                    return Reached(float(until), _floats(state), crossings)
+                    return ReferenceEnd(float(until), _floats(state), crossings)
                 continue
             following = _beyond(pieces, piece, state)
             if following is None:
                 reason = "the path slides, touches a surface or meets a corner"
                 break
             piece, crossings = following, crossings + 1
-        return Reached(float(time), _floats(state), crossings, reason)
+        return ReferenceEnd(float(time), _floats(state), crossings, reason)
 
 
 def _floats(state: Sequence[arb]) -> tuple[float, ...]:
@@ -324,7 +324,7 @@ class MeasuredField:
         gaps = [abs(float(a) - float(b)) for a, b in zip(first, second, strict=True)]
         return max(gaps[0] / self.radius, gaps[1] / self.radius, *gaps[2:])
 
-    def reached(self, start: Sequence[float], until: float) -> Reached:
+    def reached(self, start: Sequence[float], until: float) -> ReferenceEnd:
         """Time and state that a path has to reach: exact where the field allows it, else at 60 digits.
 
         Raises:
@@ -333,7 +333,7 @@ class MeasuredField:
         if self.exact is None:
             return follow_series(self.pieces, start, until)
         end = simulate(self.exact, (*start, 0)[:3], until).end
-        return Reached(min(float(end.t), until), end.state[: len(start)])
+        return ReferenceEnd(min(float(end.t), until), end.state[: len(start)])
 
 
 def measured_array(partition: Partition, kinematics: Kinematics) -> MeasuredField:

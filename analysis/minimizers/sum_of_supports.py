@@ -247,7 +247,7 @@ SLIP_STEPS = 5  # of Newton's method for the size of a slip
 FREE_STEPS = 6  # of Newton's method in three unknowns
 
 
-class Held(NamedTuple):
+class HeldContact(NamedTuple):
     """The contact k that is held in each problem.
 
     Attributes:
@@ -262,10 +262,10 @@ class Held(NamedTuple):
     way: Floats
     back: Floats
 
-    def take(self, chosen: Indices) -> Held:
+    def take(self, chosen: Indices) -> HeldContact:
         """Only some problems."""
         at = self.at[0][chosen], np.arange(len(chosen))
-        return Held(at, self.weights[chosen], self.way[:, chosen], self.back[..., chosen])
+        return HeldContact(at, self.weights[chosen], self.way[:, chosen], self.back[..., chosen])
 
 
 def by_holding(found: Solutions, at: Indices, sums: SupportSums, guess: Floats) -> None:
@@ -292,7 +292,7 @@ def _keep_settled(found: Solutions, at: Indices, sums: SupportSums, y: Floats, f
     found.keep(at, y, forces, judged.lacks, judged.proved & settled)
 
 
-def _least_slipping(sums: SupportSums, y: Floats) -> Held:
+def _least_slipping(sums: SupportSums, y: Floats) -> HeldContact:
     """The loaded contacts that slip least."""
     slips = np.where(sums.weights > 0, sums.sets.support(*sums.slips(y)), np.inf)
     contacts = slips.argmin(axis=0)
@@ -301,10 +301,10 @@ def _least_slipping(sums: SupportSums, y: Floats) -> Held:
     normal = np.cross(first, second, axis=0)
     area = (normal * normal).sum(axis=0)
     back = np.array([np.cross(second, normal, axis=0), np.cross(normal, first, axis=0)]) / area
-    return Held(at, sums.weights[at], normal / np.sqrt(area), back.transpose(1, 0, 2))
+    return HeldContact(at, sums.weights[at], normal / np.sqrt(area), back.transpose(1, 0, 2))
 
 
-def _along_way(sums: SupportSums, held: Held, y: Floats) -> tuple[Floats, Floats, Floats]:
+def _along_way(sums: SupportSums, held: HeldContact, y: Floats) -> tuple[Floats, Floats, Floats]:
     """The best unknowns that hold the contacts, the forces of all others (2, n, m), and the last step (3, m)."""
     y = y - row_products(held.back, sums.slips(y)[:, *held.at])
     (r, s), (along, across) = sums.slips(y), sums.moved(held.way)
@@ -324,7 +324,7 @@ def _along_way(sums: SupportSums, held: Held, y: Floats) -> tuple[Floats, Floats
     return y + held.way * a, units, held.way * step
 
 
-def _little_slip(sums: SupportSums, held: Held, units: Floats, slips: Floats, force: Floats) -> Floats:
+def _little_slip(sums: SupportSums, held: HeldContact, units: Floats, slips: Floats, force: Floats) -> Floats:
     """The change of y with which contacts slip that a force f (2, m) pushes, where the others change to second order.
 
     With S the Hessian of the others by the slip of the contact, their best answer along t taken out, the slip is ``v =

@@ -78,7 +78,7 @@ class UndeterminedError(RuntimeError):
     """The motion is not determined somewhere: minimizers that are not unique, or not proved."""
 
 
-class _EnoughError(RuntimeError):
+class _BudgetSpentError(RuntimeError):
     """All minimizations that are allowed are spent."""
 
 
@@ -102,7 +102,7 @@ class _Field:
 
         Raises:
             UndeterminedError: where minimizers are not unique at too many points.
-            _EnoughError: once no more minimizations are allowed.
+            _BudgetSpentError: once no more minimizations are allowed.
         """
         return point_velocities(self._proved(points), points)
 
@@ -115,7 +115,7 @@ class _Field:
     def _proved(self, points: Floats) -> Floats:
         self._left -= max(len(points), SMALLEST)
         if self._left < 0:
-            raise _EnoughError
+            raise _BudgetSpentError
         found = minima_under(self._rule, self._scene, points)
         self._faces -= len(found.faces)
         if self._faces < 0:
@@ -126,10 +126,10 @@ class _Field:
         """Velocities at points (m, 2) of the paths of these numbers (m,), by smoothed minimizers where these settle.
 
         Raises:
-            UndeterminedError, _EnoughError: see :meth:`__call__`.
+            UndeterminedError, _BudgetSpentError: see :meth:`__call__`.
         """
         if self._moving.work > MOST_WORK:
-            raise _EnoughError
+            raise _BudgetSpentError
         twists, settled = self._moving.at(points, paths)
         if not settled.all():
             twists[~settled] = self._proved(points[~settled])
@@ -161,7 +161,7 @@ def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0
         stands = [_where_it_stands(field, place, radius) for place in found]
         places = np.array([place for place, _ in stands]).reshape(-1, 2)
         speeds = np.array([speed for _, speed in stands]) / (field.fastest or 1.0)
-    except _EnoughError:
+    except _BudgetSpentError:
         places = _gathered(points, reached, still, radius)
         speeds = np.full(len(places), np.nan)
     grid = GRID * radius

@@ -157,7 +157,7 @@ def _reach(scale: float, before: float, last: float) -> float:
 MOST_STATES = 4  # of which steps are written out: the text grows with them, and what is gained shrinks
 
 
-class WrittenOut(NamedTuple):
+class GeneratedFunctions(NamedTuple):
     """Two functions of a field's rates, of a length h, and of states and rates one by one.
 
     Attributes:
@@ -173,7 +173,7 @@ class WrittenOut(NamedTuple):
 
 
 @cache
-def written_out(count: int) -> WrittenOut:
+def written_out(count: int) -> GeneratedFunctions:
     """Both functions for so many states."""
     from scipy.integrate import DOP853
 
@@ -195,7 +195,7 @@ def written_out(count: int) -> WrittenOut:
         inner += [f"a{s} = y{s} - x{s}", f"b{s} = h * k0_{s} - a{s}", f"c{s} = 2 * a{s} - h * (k{end}_{s} + k0_{s})"]
     highest = [listed(f"h * ({_sum(row, s)})" for row in DOP853.D) for s in states]
     inner += [f"return {listed(f'(x{s}, a{s}, b{s}, c{s}, {highest[s]})' for s in states)}"]
-    return WrittenOut(
+    return GeneratedFunctions(
         compiled(f"rates, h, rtol, atol, {x}{k[0]}", *trial),
         compiled(f"rates, h, {x}{''.join(k[: end + 1])}{y}", *inner),
     )

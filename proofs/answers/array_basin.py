@@ -32,7 +32,15 @@ from nonsmooth.proofs.findings import Record, encode
 from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import NEARLY_ALL, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import Announce, BasinEffort, BuiltMesh, grown_mesh, last_ring, mesh_corners
-from nonsmooth.proofs.systems.basin_rings import Bernstein, Pace, area, bernstein, followed_home, inside_ring, sines
+from nonsmooth.proofs.systems.basin_rings import (
+    Bernstein,
+    RingGrowth,
+    area,
+    bernstein,
+    followed_home,
+    inside_ring,
+    sines,
+)
 from nonsmooth.symbolic.mechanics.body import widest_square
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
@@ -46,8 +54,8 @@ from nonsmooth.symbolic.numbers.plane_arrays import (
     unit_vectors,
 )
 
-COARSE = BasinEffort(Pace(0.12, 0.03, 0.02), 41, every=8)
-FINE = BasinEffort(Pace(0.04, 0.012, 0.02), 101, every=8)
+COARSE = BasinEffort(RingGrowth(0.12, 0.03, 0.02), 41, every=8)
+FINE = BasinEffort(RingGrowth(0.04, 0.012, 0.02), 101, every=8)
 EFFORTS = {"fast": (COARSE,), "best": (FINE, COARSE)}  # tried in turn, until triangles fill the last ring
 PIXELS = 96  # of a raster of the square, in each direction, by which cells are looked up
 CIRCLE = 48  # points of the first ring

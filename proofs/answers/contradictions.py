@@ -68,7 +68,7 @@ STAYS_OR_RESTS = (Position.COMES_HOME, Position.STAYS_NEAR)
 
 
 @dataclass(frozen=True)
-class Printed:
+class PrintedAnswers:
     """What is printed about one array.
 
     Attributes:
@@ -117,7 +117,7 @@ class Printed:
         return _float(self.answers[name].numbers.get(key))
 
 
-Pair: TypeAlias = Callable[[Printed], Iterator[Contradiction]]
+Pair: TypeAlias = Callable[[PrintedAnswers], Iterator[Contradiction]]
 
 
 def reconciled(check: Check, answered: Answers | None = None, *more: Contradiction) -> tuple[Check, Answers]:
@@ -129,11 +129,11 @@ def reconciled(check: Check, answered: Answers | None = None, *more: Contradicti
         more: contradictions that were found in what is printed about several checks.
     """
     answered = Answers(answers_of(check), None, ()) if answered is None else answered
-    printed = Printed.of(check, answered)
+    printed = PrintedAnswers.of(check, answered)
     return without_contradictions(replace(printed, sampled=_sampled(printed)), *more)
 
 
-def without_contradictions(printed: Printed, *more: Contradiction) -> tuple[Check, Answers]:
+def without_contradictions(printed: PrintedAnswers, *more: Contradiction) -> tuple[Check, Answers]:
     """What is left of what is printed, whose sampled starts were followed: see :func:`reconciled`."""
     check, answered = printed.check, printed.answered
     found = (*(one for pair in PAIRS for one in pair(printed)), *more)
@@ -143,7 +143,7 @@ def without_contradictions(printed: Printed, *more: Contradiction) -> tuple[Chec
     return left, replace(answered, answers=answers_of(left), destinations=_without_verdict(check, answered))
 
 
-def _sampled(printed: Printed) -> SampledEnds | None:
+def _sampled(printed: PrintedAnswers) -> SampledEnds | None:
     """How starts end: those of the destinations; under rules with cells, where there are none, a few."""
     if printed.answered.destinations is not None:
         return printed.answered.destinations.sampled
@@ -156,7 +156,7 @@ def _sampled(printed: Printed) -> SampledEnds | None:
     return ends
 
 
-def sample_of(printed: Printed) -> tuple[ConstantField, Floats] | None:
+def sample_of(printed: PrintedAnswers) -> tuple[ConstantField, Floats] | None:
     """A few starts in the field of all cells: on the rim of the certified disc and near the point; None where not all
     cells are there.
     """
@@ -184,7 +184,7 @@ def _without_verdict(check: Check, answered: Answers) -> Any:
 # ---- one function for each pair ------------------------------------------------------------------
 
 
-def position_and_ends(printed: Printed) -> Iterator[Contradiction]:
+def position_and_ends(printed: PrintedAnswers) -> Iterator[Contradiction]:
     """A point from which bodies are driven away, and sampled bodies that come to rest at it."""
     ends = printed.sampled
     if ends is None or printed.equilibrium is not Equilibrium.FAILS:
@@ -195,7 +195,7 @@ def position_and_ends(printed: Printed) -> Iterator[Contradiction]:
         yield Contradiction("position and destinations", (printed.said("position"), seen), PLACE)
 
 
-def leaves_and_ends(printed: Printed) -> Iterator[Contradiction]:
+def leaves_and_ends(printed: PrintedAnswers) -> Iterator[Contradiction]:
     """An unstable point, and no sampled body near it that goes away, not even from much closer, along any border.
 
     Where motions tie, paths show one mixture of them, and another may leave: nothing is compared.
@@ -219,7 +219,7 @@ def leaves_and_ends(printed: Printed) -> Iterator[Contradiction]:
         yield Contradiction("position and destinations", (said, seen), MOTION)
 
 
-def discs_and_ends(printed: Printed) -> Iterator[Contradiction]:
+def discs_and_ends(printed: PrintedAnswers) -> Iterator[Contradiction]:
     """A certified disc, and a sampled start in it that ends farther away than bodies from there are said to."""
     ends = printed.sampled
     if ends is None:
@@ -239,7 +239,7 @@ def discs_and_ends(printed: Printed) -> Iterator[Contradiction]:
             yield from _against(printed, (begin <= WELL_INSIDE * disc) & away, "position and destinations")
 
 
-def position_and_paths(printed: Printed) -> Iterator[Contradiction]:
+def position_and_paths(printed: PrintedAnswers) -> Iterator[Contradiction]:
     """Stability that the fan of cones alone decides, and a path from very close by that goes far away."""
     check = printed.check
     if not isinstance(check, CellCheck) or not check.partition.complete or not printed.position(*STAYS_OR_RESTS):
@@ -253,7 +253,7 @@ def position_and_paths(printed: Printed) -> Iterator[Contradiction]:
             return
 
 
-def heading_and_ends(printed: Printed) -> Iterator[Contradiction]:
+def heading_and_ends(printed: PrintedAnswers) -> Iterator[Contradiction]:
     """A body that does not turn at rest, and one that does; one that turns all the time, and one that does not."""
     ends, rotation = printed.sampled, printed.check.rotation
     if ends is None or not isinstance(printed.check, CellCheck):
@@ -277,7 +277,7 @@ def heading_and_ends(printed: Printed) -> Iterator[Contradiction]:
         yield from _against(printed, seen, "heading and destinations", "heading", "stands still at the point", TURN)
 
 
-def answers_and_rows(printed: Printed) -> Iterator[Contradiction]:
+def answers_and_rows(printed: PrintedAnswers) -> Iterator[Contradiction]:
     """The answers, and what the list of destinations says of bodies near the checked point."""
     goes = printed.answered.destinations
     for row in () if goes is None else goes.found:
@@ -287,7 +287,7 @@ def answers_and_rows(printed: Printed) -> Iterator[Contradiction]:
         yield from _against_row(printed, "destinations", said, row.position, row.heading)
 
 
-def answers_and_headings(printed: Printed) -> Iterator[Contradiction]:
+def answers_and_headings(printed: PrintedAnswers) -> Iterator[Contradiction]:
     """The answers at the checked heading, and the proved list of headings at which a body with an outline rests."""
     listed = printed.answered.headings
     for entry in () if listed is None else listed.found:
@@ -300,7 +300,7 @@ def answers_and_headings(printed: Printed) -> Iterator[Contradiction]:
         yield from _against_row(printed, "headings of rest", said, entry.position, entry.verdict, rests=rests)
 
 
-def answers_and_theorem(printed: Printed) -> Iterator[Contradiction]:
+def answers_and_theorem(printed: PrintedAnswers) -> Iterator[Contradiction]:
     """Theorem 4 says that the position is stable and the heading is not, of a point that is an equilibrium."""
     if printed.check.verdict is not Theorem4.HOLDS:
         return
@@ -314,7 +314,7 @@ def answers_and_theorem(printed: Printed) -> Iterator[Contradiction]:
         yield Contradiction("pose and Theorem 4", (printed.said("pose"), said), PLACE)
 
 
-def tolerances_and_ends(printed: Printed) -> Iterator[Contradiction]:
+def tolerances_and_ends(printed: PrintedAnswers) -> Iterator[Contradiction]:
     """Where every array within the tolerances brings bodies, and where this one, which is among them, takes one."""
     robust, ends = printed.answered.robust, printed.sampled
     if robust is None or ends is None:
@@ -353,7 +353,7 @@ class RuleAtPoint(NamedTuple):
         return self.equilibrium == Equilibrium.HOLDS and self.heading == Heading.KEEPS
 
 
-def rules_and_rest(printed: Printed) -> Iterator[Contradiction]:
+def rules_and_rest(printed: PrintedAnswers) -> Iterator[Contradiction]:
     """Rest at the point under this rule, and under the others that were asked."""
     asked = {printed.scene.contact.rule: RuleAtPoint.of(printed.equilibrium, printed.answered.answers)}
     for other in printed.answered.others:
@@ -397,7 +397,7 @@ def _in_words(rests: RuleAtPoint) -> str:
     return f"position {rests.position}, heading {rests.heading}"
 
 
-def verdict_and_field(printed: Printed) -> Iterator[Contradiction]:
+def verdict_and_field(printed: PrintedAnswers) -> Iterator[Contradiction]:
     """The verdicts at the point, and the field beside it by the numerical minimizer, under rules without cells."""
     beside = _field_beside(printed.scene) if printed.equilibrium is not Equilibrium.UNDECIDED else None
     if beside is None:
@@ -423,7 +423,7 @@ def verdict_and_field(printed: Printed) -> Iterator[Contradiction]:
         yield Contradiction("heading and the field beside the point", (printed.said("heading"), seen), TURN)
 
 
-def disc_and_samples(printed: Printed) -> Iterator[Contradiction]:
+def disc_and_samples(printed: PrintedAnswers) -> Iterator[Contradiction]:
     """A disc in which the distance falls, and a sampled point in it at which it grows."""
     translation = printed.check.translation
     sampled, disc = translation.sampled, translation.region_radius
@@ -544,7 +544,7 @@ def unstable_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterat
 
 
 def _against(
-    printed: Printed,
+    printed: PrintedAnswers,
     seen: Any,
     between: str,
     said: str = "position",
@@ -573,7 +573,7 @@ def _against(
 
 
 def _against_row(
-    printed: Printed, listed: str, said: str, position: object, heading: object, *, rests: bool = True
+    printed: PrintedAnswers, listed: str, said: str, position: object, heading: object, *, rests: bool = True
 ) -> Iterator[Contradiction]:
     """The answers, and a row of a list about the point; ``rests``: whether the point may be a place of rest."""
     if not rests or _opposite(printed.answers["position"].verdict, position):
@@ -594,7 +594,7 @@ def _is_place(check: Check, place: Iterable[SupportsFloat]) -> bool:
     return all(abs(float(one) - float(two)) <= within for one, two in pairs)
 
 
-def _is_rounded(printed: Printed) -> bool:
+def _is_rounded(printed: PrintedAnswers) -> bool:
     """Whether the checked point is not on a border of cells, and so near to one that no path tells.
 
     So it is where it is a place of rest that was rounded to a float: bodies rest beside it, on that border.

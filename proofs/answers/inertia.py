@@ -21,7 +21,7 @@ from flint import arb, arb_mat, ctx
 from nonsmooth.analysis.bodies.gyration import squared_radius
 from nonsmooth.analysis.bodies.mass_study import body_of
 from nonsmooth.analysis.bodies.newton_euler import RigidBody
-from nonsmooth.analysis.bodies.settling import FACTORS, Settled, Settling, massless_holds_to, settle
+from nonsmooth.analysis.bodies.settling import FACTORS, Settling, SettlingResult, massless_holds_to, settle
 from nonsmooth.analysis.bodies.supports import StartTipsError
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.trajectories.result import TrajectoryError
@@ -177,13 +177,13 @@ class Simulated:
     """
 
     radius: float
-    bodies: tuple[Settled, ...]
+    bodies: tuple[SettlingResult, ...]
     asked: int
     massless_holds_to: float | None = None
     why_not: str = ""
     tip: int = 0
 
-    def those(self, kind: Settling) -> list[Settled]:
+    def those(self, kind: Settling) -> list[SettlingResult]:
         """The bodies of which this becomes."""
         return [body for body in self.bodies if body.kind is kind]
 
@@ -248,7 +248,7 @@ def _body(scene: Scene) -> RigidBody | None:
     return None if scene.inertia is None else body_of(scene, 1 / float(scene.inertia.gravity))
 
 
-def settled_from(scene: Scene, start: Pose) -> Settled | None:
+def settled_from(scene: Scene, start: Pose) -> SettlingResult | None:
     """Follow one body from rest until it settles; None of a scene that does not say what gravity is.
 
     Raises:
@@ -279,7 +279,7 @@ def _chunk(near: NearRest, crossing: float) -> tuple[float, bool, float]:
     return chunk, slowest * chunk >= FADES, min(1.0, slow * chunk / FADES) if fades else 1.0
 
 
-def _massless(scene: Scene, bodies: Sequence[Settled]) -> float | None:
+def _massless(scene: Scene, bodies: Sequence[SettlingResult]) -> float | None:
     """Over the time in which bodies settle, from the first starts; None where some do not settle."""
     times, body = [one.settles_after for one in bodies if one.settles_after is not None], _body(scene)
     until = max(times, default=0.0)
@@ -297,11 +297,11 @@ def inertia_answer(scene: Scene) -> Answer | None:
         return None
     if scene.contact.loads_are_unknown:
         return Answer("inertia", Inertia.UNDECIDED, (said("loads are not known: no path is followed"),))
-    return _answered(_Asked(scene))
+    return _answered(_SameObject(scene))
 
 
 @dataclass(frozen=True, eq=False)
-class _Asked:
+class _SameObject:
     """A question, the same where it is about the same object."""
 
     scene: Scene
@@ -310,11 +310,11 @@ class _Asked:
         return id(self.scene)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Asked) and self.scene is other.scene
+        return isinstance(other, _SameObject) and self.scene is other.scene
 
 
 @lru_cache(maxsize=16)  # an answer is asked for several times
-def _answered(asked: _Asked) -> Answer:
+def _answered(asked: _SameObject) -> Answer:
     scene = asked.scene
     near = near_rest(scene)
     found = simulated(scene, near)
@@ -401,7 +401,7 @@ def _swings(most: int) -> str:
     return f"with up to {most} swing{'' if most == 1 else 's'}" if most else "without a swing"
 
 
-def _record(one: Settled) -> dict[str, object]:
+def _record(one: SettlingResult) -> dict[str, object]:
     return {
         "start": list(one.start),
         "end": list(one.end),

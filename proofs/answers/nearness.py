@@ -108,7 +108,7 @@ class Nearness:
 
 
 @dataclass(frozen=True, eq=False)
-class _Asked:
+class _SameObject:
     """A question, the same where it is about the same object: to compare scenes number by number takes longer."""
 
     scene: Scene
@@ -123,7 +123,7 @@ class _Asked:
 
     def __eq__(self, other: object) -> bool:
         return (
-            isinstance(other, _Asked)
+            isinstance(other, _SameObject)
             and self.scene is other.scene
             and (self.equilibrium, self.translation) == (other.equilibrium, other.translation)
         )
@@ -143,7 +143,7 @@ def nearness(scene: Scene, results: Results) -> Nearness:
     fan = translation.fan if isinstance(translation, TranslationResult) else None
     place = rest.point.rest if isinstance(rest, EllipseEquilibrium) else None
     verdicts = Equilibrium(rest.verdict), Translation(translation.verdict)
-    return _decided(_Asked(scene, *verdicts, fan, load, place))
+    return _decided(_SameObject(scene, *verdicts, fan, load, place))
 
 
 @lru_cache(maxsize=16)
@@ -186,7 +186,7 @@ def place_of_rest(scene: Scene, ends: Ends) -> EnclosedRest | None:
 
 
 @lru_cache(maxsize=16)  # an answer is asked for several times
-def _decided(asked: _Asked) -> Nearness:
+def _decided(asked: _SameObject) -> Nearness:
     scene, accuracy = asked.scene, asked.scene.accuracy
     if scene.contact.rule not in FOLLOWED:
         return Nearness(why_not=f"under rule {scene.contact.rule} bodies are not followed")
@@ -214,7 +214,7 @@ def _why_not(scene: Scene, accuracy: Fraction, kept: ContactSet) -> str:
     return ""
 
 
-def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearness:
+def _under_known_loads(asked: _SameObject, array: Scene, kept: ContactSet) -> Nearness:
     """On a centred array of the wheels that carry."""
     accuracy, equilibrium = asked.scene.accuracy, asked.equilibrium
     rests = equilibrium is Equilibrium.HOLDS and asked.translation is Translation.STABLE
@@ -271,7 +271,7 @@ def _driven_out(array: Scene, accuracy: Fraction, kept: ContactSet) -> Fraction 
     return after if kept.keeps(accuracy, None if spin is None else spin * after) else None
 
 
-def _under_a_load(asked: _Asked, array: Scene, kept: ContactSet) -> Nearness:
+def _under_a_load(asked: _SameObject, array: Scene, kept: ContactSet) -> Nearness:
     """Under the load that moves or throws out the body at the point, or one between it and that of equal springs."""
     unknown, accuracy = array.contact.loads, asked.scene.accuracy
     scatter = unknown.scatter if isinstance(unknown, UnknownLoads) else None
@@ -327,7 +327,7 @@ def _home_disc(
     return Ends(there, disc.radius, disc.swing, disc.time_to(there, disc.radius), point, there)
 
 
-def _is_thrown_out(asked: _Asked, array: Scene) -> bool:
+def _is_thrown_out(asked: _SameObject, array: Scene) -> bool:
     """Whether some bodies from as near as one likes are carried out of the disc of the accuracy, for every member."""
     accuracy, fan, before = asked.scene.accuracy, asked.fan, array.field.rounded_signs
     if asked.translation is Translation.UNSTABLE and is_carried_away(array, accuracy, Fraction(0)):

@@ -75,7 +75,7 @@ OF_FIRST_DEGREE = "jumps with forms of first degree in the states of a part"
 
 
 @dataclass(frozen=True)
-class Replaced:
+class ReplacedState:
     """A state that is at the point, or on a surface.
 
     Attributes:
@@ -112,7 +112,7 @@ class Replaced:
 class Part(System):
     """Some states of a system, with the others replaced; those that were replaced first come first."""
 
-    replaced: tuple[Replaced, ...] = ()
+    replaced: tuple[ReplacedState, ...] = ()
 
     def fields(self, place: Place, wave: WaveAt | None = None) -> Sequence[Sequence[Formula]]:
         """The formulas of the velocities at a place, for each right-hand side."""
@@ -132,7 +132,7 @@ class RootedPart(Part, RootedSystem):
 
 
 def part_of(
-    system: System, chosen: Sequence[str], replaced: Sequence[Replaced], roots: Mapping[str, int] | None = None
+    system: System, chosen: Sequence[str], replaced: Sequence[ReplacedState], roots: Mapping[str, int] | None = None
 ) -> Part:
     """The system of some states, in the roots of some of these, with others replaced."""
     numbers = [system.states.index(name) for name in chosen]
@@ -264,7 +264,7 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
         require(chosen and set(chosen) <= set(system.states) - set(earlier), "states of parts that are no others'")
         require(len(set(chosen)) == len(chosen), "different states")
         roots = roots_of_part(system, chosen, listed_roots, orders)
-        part = part_of(system, chosen, [Replaced(name, at) for name in earlier], roots)
+        part = part_of(system, chosen, [ReplacedState(name, at) for name in earlier], roots)
         if jumping is None:
             require_continuous(system, part, set(earlier))
         else:
@@ -348,7 +348,7 @@ def show_sliding(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     at = dict(zip(system.states, system.at, strict=True))
     slope = across.at_origin / inclusion.domain.radius
     others = [state for state in system.states if state != name]
-    part = part_of(system, others, [Replaced(name, at, items(cells["surfaces"])[j], slope)])
+    part = part_of(system, others, [ReplacedState(name, at, items(cells["surfaces"])[j], slope)])
     require_continuous(system, part, {name})
     return [{"stability": verdict_of(part, entry, proofs)}]
 

@@ -70,7 +70,7 @@ def leads_inward(velocity: Pair, quadrant: tuple[int, int], ends: Iterable[Point
 
 
 @dataclass(frozen=True)
-class Build:
+class WheelTolerance:
     """A wheel with how far it may be from the certificate's.
 
     Attributes:
@@ -108,11 +108,11 @@ class Build:
         return [Jet(v, others[:before] + slope + others[before:]) for v, slope in zip(values, slopes, strict=True)]
 
 
-def read_builds(array: Array) -> list[Build]:
+def read_builds(array: Array) -> list[WheelTolerance]:
     """All wheels with the tolerances."""
     require(array.tolerances is not None and array.rule == NEAREST, "tolerances, under rule nearest")
     require(len(array.wheels) > 1, "two wheels at least, which fix the motion")
-    sizes = [interval(tolerance).high for tolerance in array.tolerances or ()]
+    sizes = [interval(size).high for size in array.tolerances or ()]
     step, turn, *shares = sizes
     sound = min(sizes) >= 0 and max(shares) < GRID and 2 * turn < GRID
     require(sound and all(wheel.drive is None for wheel in array.wheels.values()), SOUND)
@@ -126,11 +126,11 @@ def read_builds(array: Array) -> list[Build]:
         require(along.low > 0 and across.low > 0, "friction in both directions")
         kinds = "R" * (along.high * (GRID + roll) >= across.low * (GRID - side))
         kinds += "S" * (across.high * (GRID + side) >= along.low * (GRID - roll))
-        builds.append(Build(-u, (a, b), (p, q), (above(u.size * speed), angle, step, step), kinds))
+        builds.append(WheelTolerance(-u, (a, b), (p, q), (above(u.size * speed), angle, step, step), kinds))
     return builds
 
 
-def motion(first: Build, second: Build, kind: str) -> Pair:
+def motion(first: WheelTolerance, second: WheelTolerance, kind: str) -> Pair:
     """The velocity of the body by both rows of one wheel and one of another, over all builds of the two."""
     charge(4_000)
     middle = _velocity(first.middle(), second.middle(), kind)
@@ -158,7 +158,7 @@ def _velocity(first: list[Jet], second: list[Jet], kind: str) -> tuple[Jet, Jet]
 
 
 def regions(
-    builds: list[Build], radius: Fraction, start: Fraction
+    builds: list[WheelTolerance], radius: Fraction, start: Fraction
 ) -> Iterator[tuple[tuple[int, int], tuple[int, int], list[Side]]]:
     """Where in each quadrant of a square two wheels may be the two nearest: their numbers, and the sides of a polygon.
 
@@ -177,7 +177,7 @@ def regions(
                     yield (x, y), (i, j), second
 
 
-def nearer_side(first: Build, second: Build, quadrant: tuple[int, int], radius: Fraction) -> Side:
+def nearer_side(first: WheelTolerance, second: WheelTolerance, quadrant: tuple[int, int], radius: Fraction) -> Side:
     """Where the first wheel may be nearer than the second, in a quadrant.
 
     With the places p and q and the tolerance t of coordinates ``2 c . (q - p) - 4 t |c|_1`` is at most

@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.boxes.linearization import gradient, slips_at
-from nonsmooth.proofs.headings.stay import Stay, Stays, StaysAt
+from nonsmooth.proofs.headings.stay import BodyAtPoint, Stay, Stays
 from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.edge_headings import BallOutline, Gap, HeadingCluster, clusters, gaps, places_of, seen
@@ -140,7 +140,7 @@ class HeadingsAt:
         with ctx.workprec(PRECISION):
             self.outline = BallOutline(scene.body)
             self.places = places_of(self.scene.positions, point)
-            self.stays = StaysAt(self.scene)
+            self.stays = BodyAtPoint(self.scene)
 
     def clusters(self) -> list[HeadingCluster]:
         """Headings with wheels under the edge, in ascending order."""

@@ -80,7 +80,7 @@ class Stay:
         return self.kind in (Stays.RESTS, Stays.TURNS)
 
 
-class StaysAt:
+class BodyAtPoint:
     """What sets of wheels do at one point; to be used at one working precision."""
 
     def __init__(self, scene: Scene) -> None:

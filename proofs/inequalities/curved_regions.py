@@ -190,7 +190,7 @@ class Extent(StrEnum):
     UNDECIDED = "undecided"
 
 
-class Adherence(StrEnum):
+class ClosureMembership(StrEnum):
     """Whether points belong to the closure of an open cell."""
 
     YES = "they do"
@@ -223,26 +223,26 @@ def sectors(region: Region) -> Iterator[Sector]:
         yield Sector(start, end, extent(region.guards, start, end))
 
 
-def adherence(region: Region) -> Adherence:
+def closure_membership(region: Region) -> ClosureMembership:
     """Whether the origin belongs to the closure of the open cell."""
     extents = {sector.extent for sector in sectors(region)}
     if extents & {Extent.WHOLE, Extent.PART}:
-        return Adherence.YES
-    return Adherence.UNDECIDED if Extent.UNDECIDED in extents else Adherence.NO
+        return ClosureMembership.YES
+    return ClosureMembership.UNDECIDED if Extent.UNDECIDED in extents else ClosureMembership.NO
 
 
-def ray_adherence(region: Region, ray: Point) -> Adherence:
+def ray_closure_membership(region: Region, ray: Point) -> ClosureMembership:
     """Whether the points of a ray near the origin belong to the closure of the open cell.
 
     Where a guard is positive on the ray it is positive around it, so the closed convex part decides; where it is
     negative the cell is somewhere else; where it is zero all along the ray nothing is said.
     """
     if not all(sign(a * ray[0] + b * ray[1]) >= 0 if not sign(c) else sign(c) > 0 for a, b, c in region.sides):
-        return Adherence.NO
+        return ClosureMembership.NO
     signs = {germ_sign(along_ray(guard, ray)) for guard in region.guards}
     if -1 in signs:
-        return Adherence.NO
-    return Adherence.UNDECIDED if 0 in signs else Adherence.YES
+        return ClosureMembership.NO
+    return ClosureMembership.UNDECIDED if 0 in signs else ClosureMembership.YES
 
 
 def extent(guards: Sequence[Polynomial], start: Point, end: Point) -> Extent:

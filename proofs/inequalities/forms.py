@@ -17,11 +17,11 @@ from typing import Any
 
 from nonsmooth.analysis.cells.region import Region, Triple
 from nonsmooth.proofs.inequalities.subdivision import (
+    FormsClaim,
     Proposal,
     Role,
-    Sought,
-    Stuck,
     SubCone,
+    UndecidedCorners,
     Vector,
     Violation,
     root_part,
@@ -163,9 +163,9 @@ class Problem:
     guards: tuple[Polynomial, ...] = ()
 
     @cached_property
-    def sought(self) -> Sought:
+    def sought(self) -> FormsClaim:
         """What is claimed, without the forms."""
-        return Sought(self.strict, not self.except_origin, self.weighted, by_sides=True)
+        return FormsClaim(self.strict, not self.except_origin, self.weighted, by_sides=True)
 
     def role(self, generator: Vector) -> Role:
         """What a vector is to the cell."""
@@ -192,7 +192,7 @@ class Problem:
         here = sign(self.form(point))
         return here < 0 or (self.strict and here == 0)
 
-    def subdivided(self, work: int, propose: Proposal | None = None) -> Violation | Stuck | None:
+    def subdivided(self, work: int, propose: Proposal | None = None) -> Violation | UndecidedCorners | None:
         """What stands against the claim after some work of cutting; None where it is proved.
 
         Args:

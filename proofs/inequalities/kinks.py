@@ -120,7 +120,7 @@ OF_A_SIGN = 4  # coefficients of a cone that cost as much as one of a polynomial
 SHORT = 4  # coefficients up to which square roots in them make little difference
 
 
-class Trend(StrEnum):
+class SupremumSign(StrEnum):
     """What the largest value of a set-valued derivative does on a part of the plane."""
 
     EMPTY = "empty"
@@ -132,25 +132,25 @@ class Trend(StrEnum):
     @property
     def rank(self) -> int:
         """Position from harmless to worst."""
-        return list(Trend).index(self)
+        return list(SupremumSign).index(self)
 
     @classmethod
-    def of_sign(cls, sign: int) -> Trend:
+    def of_sign(cls, sign: int) -> SupremumSign:
         """Of a maximum with the given sign."""
         return (cls.NEGATIVE, cls.NONPOSITIVE, cls.POSITIVE)[sign + 1]
 
 
-def worst(trends: Sequence[Trend]) -> Trend:
+def worst(supremum_signs: Sequence[SupremumSign]) -> SupremumSign:
     """The worst of several; EMPTY for none."""
-    return max(trends, key=lambda trend: trend.rank, default=Trend.EMPTY)
+    return max(supremum_signs, key=lambda supremum_sign: supremum_sign.rank, default=SupremumSign.EMPTY)
 
 
-class Trends(NamedTuple):
-    """One trend for each of the three derivatives."""
+class SupremumSigns(NamedTuple):
+    """One sign for each of the three derivatives."""
 
-    naive: Trend
-    shevitz_paden: Trend
-    bacciotti_ceragioli: Trend
+    naive: SupremumSign
+    shevitz_paden: SupremumSign
+    bacciotti_ceragioli: SupremumSign
 
 
 @dataclass(frozen=True)
@@ -225,18 +225,18 @@ class Kink:
         """The point of the edge at a parameter."""
         return on_edge(self.edge, t)
 
-    def trends(self) -> tuple[Trends, Fraction | RealRoot]:
-        """The worst trends on the open edge, and where the last derivative is worst.
+    def supremum_signs(self) -> tuple[SupremumSigns, Fraction | RealRoot]:
+        """The worst signs on the open edge, and where the last derivative is worst.
 
         Raises:
             WorkLimitError: for too many places at which signs are asked for.
         """
         places: list[Fraction | RealRoot] = [*self.samples(), *self.roots]
-        trends = [self.trends_at(place) for place in places]
-        order = [trend.bacciotti_ceragioli.rank for trend in trends]
-        return Trends(*map(worst, zip(*trends, strict=True))), places[order.index(max(order))]
+        supremum_signs = [self.signs_at(place) for place in places]
+        order = [supremum_sign.bacciotti_ceragioli.rank for supremum_sign in supremum_signs]
+        return SupremumSigns(*map(worst, zip(*supremum_signs, strict=True))), places[order.index(max(order))]
 
-    def trends_at(self, place: Fraction | RealRoot) -> Trends:
+    def signs_at(self, place: Fraction | RealRoot) -> SupremumSigns:
         """The signs of the three maxima at a parameter."""
 
         def sign_of(curve: Coefficients) -> int:
@@ -254,10 +254,10 @@ class Kink:
         ]
         apart = not common and all(bends[0] * sign_of(difference(a, b)) > 0 for a, _ in table for _, b in table)
         largest = max([*common, *(min(pair) for pair in signs)])
-        return Trends(
-            Trend.of_sign(max(max(pair) for pair in signs)),
-            Trend.EMPTY if apart else Trend.of_sign(largest),
-            Trend.of_sign(max(common)) if common else Trend.EMPTY,
+        return SupremumSigns(
+            SupremumSign.of_sign(max(max(pair) for pair in signs)),
+            SupremumSign.EMPTY if apart else SupremumSign.of_sign(largest),
+            SupremumSign.of_sign(max(common)) if common else SupremumSign.EMPTY,
         )
 
 

@@ -42,8 +42,8 @@ from nonsmooth.proofs.inequalities.subdivision import (
     LONG_BITS,
     NEARBY_STEPS,
     Role,
-    Stuck,
     SubCone,
+    UndecidedCorners,
     Vector,
     Violation,
     effort_left,
@@ -129,7 +129,7 @@ def edge_line(problem: Problem, form: Terms, edge: tuple[int, int]) -> Coefficie
 Matrix: TypeAlias = list[list[Any]]
 
 
-def decide_quadratic(problem: Problem) -> Violation | Stuck | None:
+def decide_quadratic(problem: Problem) -> Violation | UndecidedCorners | None:
     """Decide the claim for a form of degree two without guards: where it fails; None where it holds.
 
     Stuck where it is false and no point of the cell was found that shows it.
@@ -145,7 +145,7 @@ def decide_quadratic(problem: Problem) -> Violation | Stuck | None:
             entries = [entry for row in adjugate for entry in row]
             if sign(determinant) < 0 and all(sign(entry) >= 0 for entry in entries):
                 weights = _spread([sum(row[1:], row[0]) for row in adjugate], face, count)
-                return _violation(problem, weights) or Stuck(problem.generators)
+                return _violation(problem, weights) or UndecidedCorners(problem.generators)
             kernel = next(([row[k] for row in adjugate] for k in range(size) if any(row[k] for row in adjugate)), None)
             if not determinant and kernel is not None and len({sign(x) for x in kernel} | {0}) == 2 and all(kernel):
                 zeros.append(_spread([abs(x) for x in kernel], face, count))
@@ -440,23 +440,23 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
             return _witness(question, place_of(outcome.point, part, question))
         if isinstance(outcome, RealRoot):
             return ZeroBetween(question, part, outcome)
-        if isinstance(outcome, Stuck):
+        if isinstance(outcome, UndecidedCorners):
             stuck = stuck or Undecided(question, tuple(place_of(g, part, question) for g in outcome.corners))
     if stuck is not None and not region.guards and (refuting := counterexample(question)) is not None:
         return _witness(question, refuting)
     return stuck or Proof(question)
 
 
-def decide(problem: Problem) -> Violation | RealRoot | Stuck | None:
+def decide(problem: Problem) -> Violation | RealRoot | UndecidedCorners | None:
     """Decide one simplicial part: what refutes it, or where the search ended; None where it is proved."""
     outcome = problem.subdivided(LITTLE_WORK)
-    if not isinstance(outcome, Stuck):
+    if not isinstance(outcome, UndecidedCorners):
         return outcome
     if len(problem.generators) == 2 and len(problem.form.field.radicands) <= MAX_EXACT_ROOTS:
         return decide_binary(problem)
     if not problem.guards and problem.form.degree == 2:
         quadratic = decide_quadratic(problem)
-        return outcome if isinstance(quadratic, Stuck) else quadratic
+        return outcome if isinstance(quadratic, UndecidedCorners) else quadratic
     if not problem.guards and not problem.strict:
         rest = _without_square(problem)
         of_rest = outcome if rest is None else decide(rest)

@@ -108,7 +108,7 @@ class Role(Enum):
 
 
 @dataclass(frozen=True)
-class Sought:
+class FormsClaim:
     """What is claimed of forms on a cell.
 
     Attributes:
@@ -269,7 +269,7 @@ def raised(form: Terms, degree: int, corners: Sequence[Vector]) -> Terms:
     return form
 
 
-def shows(part: SubCone, sought: Sought, k: int, form: Terms) -> bool:
+def shows(part: SubCone, sought: FormsClaim, k: int, form: Terms) -> bool:
     """Whether the coefficients of a form show of it what the k-th inequality claims of p."""
     if not is_nonnegative(form):
         return False
@@ -280,7 +280,9 @@ def _is_positive(form: Terms, faces: Sequence[int]) -> bool:
     return all(has_positive(form, face) for face in faces)
 
 
-def shown_by(part: SubCone, sought: Sought, k: int, free: frozenset[str] = frozenset()) -> str | dict[str, Any] | None:
+def shown_by(
+    part: SubCone, sought: FormsClaim, k: int, free: frozenset[str] = frozenset()
+) -> str | dict[str, Any] | None:
     """What shows the k-th inequality on a part without functions mu; None where coefficients do not tell.
 
     Args:
@@ -310,7 +312,7 @@ def shown_by(part: SubCone, sought: Sought, k: int, free: frozenset[str] = froze
     return None
 
 
-def _outside_by(part: SubCone, sought: Sought, guards: Mapping[str, Terms], free: frozenset[str]) -> str | None:
+def _outside_by(part: SubCone, sought: FormsClaim, guards: Mapping[str, Terms], free: frozenset[str]) -> str | None:
     """A guard that is positive nowhere on the part, and zero at no point that counts unless it is free."""
     for name, guard in guards.items():
         negative = {e: -c for e, c in guard.items()}
@@ -319,7 +321,7 @@ def _outside_by(part: SubCone, sought: Sought, guards: Mapping[str, Terms], free
     return None
 
 
-def _is_positive_inside(part: SubCone, sought: Sought, rest: Terms, guard: Terms, factor: Any) -> bool:
+def _is_positive_inside(part: SubCone, sought: FormsClaim, rest: Terms, guard: Terms, factor: Any) -> bool:
     """Whether ``rest + factor guard`` is positive at all points that count, face by face.
 
     Inside each face the rest is positive, or the guard is negative (no point of the cell lies there), or
@@ -379,7 +381,7 @@ class Violation:
 
 
 @dataclass(frozen=True)
-class Stuck:
+class UndecidedCorners:
     """Corners of a part of a cone on which the sign was not found."""
 
     corners: tuple[Vector, ...]
@@ -401,8 +403,8 @@ Proposal: TypeAlias = Callable[[SubCone], "tuple[int, int, Any] | Violation | No
 
 
 def subdivide(
-    roots: Sequence[SubCone], sought: Sought, budget: int, leaf: LeafSearch, propose: Proposal | None = None
-) -> Violation | Stuck | None:
+    roots: Sequence[SubCone], sought: FormsClaim, budget: int, leaf: LeafSearch, propose: Proposal | None = None
+) -> Violation | UndecidedCorners | None:
     """Prove inequalities by coefficients, breadth first, within a budget; None where they are proved.
 
     Each part then has its node: what shows it, or its cut.
@@ -427,12 +429,12 @@ def subdivide(
         if isinstance(split, Violation):
             return split
         if len(part.corners) == 1:  # one ray: nothing is left to cut
-            return Stuck(part.corners)
+            return UndecidedCorners(part.corners)
         first, second, share = split or (*_edge_to_halve(part), fmpq(1, 2))
         near, far = part.with_corner(first, second, share), part.with_corner(second, first, 1 - share)
         part.node = ConeCut(first, second, share, near, far)
         waiting += (near, far)
-    return Stuck(waiting[0].corners) if waiting else None
+    return UndecidedCorners(waiting[0].corners) if waiting else None
 
 
 def _edge_to_halve(part: SubCone) -> tuple[int, int]:
@@ -452,7 +454,7 @@ def _edge_to_halve(part: SubCone) -> tuple[int, int]:
     )
 
 
-def _find_violation(part: SubCone, sought: Sought) -> Violation | None:
+def _find_violation(part: SubCone, sought: FormsClaim) -> Violation | None:
     """A point where an inequality without functions mu is false: a corner, inside a face, or near a direction."""
     count = len(part.corners)
     faces = sought.faces(part.corners) if sought.strict else []
@@ -470,7 +472,7 @@ def _find_violation(part: SubCone, sought: Sought) -> Violation | None:
     return None
 
 
-def _violation_beside(part: SubCone, sought: Sought, k: int, weights: Sequence[fmpq]) -> Violation | None:
+def _violation_beside(part: SubCone, sought: FormsClaim, k: int, weights: Sequence[fmpq]) -> Violation | None:
     """One near a direction or the origin, at which nothing is claimed itself."""
     for step in range(NEARBY_STEPS):
         for i in range(len(weights)):
@@ -480,7 +482,7 @@ def _violation_beside(part: SubCone, sought: Sought, k: int, weights: Sequence[f
     return None
 
 
-def _violation_at(part: SubCone, sought: Sought, k: int, weights: Sequence[fmpq]) -> Violation | None:
+def _violation_at(part: SubCone, sought: FormsClaim, k: int, weights: Sequence[fmpq]) -> Violation | None:
     """The weighted sum of the corners, if the k-th inequality is false there, inside all guards."""
     point = tuple(_weighted(coordinates, weights) for coordinates in zip(*part.corners, strict=True))
     if not sought.is_about(point) or any(sign(value_at(guard, weights)) <= 0 for guard in part.guards[k].values()):

@@ -43,7 +43,7 @@ from nonsmooth.proofs.kernel.rooted_functions import (
     text_of,
     units_of,
 )
-from nonsmooth.proofs.kernel.search import Collected, NotShownError, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.search import DeferredClaims, NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.written import roundings
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -134,7 +134,7 @@ class _Forms:
     def _falling(self, number: int, shift: Shift) -> list[Claim]:
         """That the derivative of a product, with a shift, is negative on cells, and of mixtures that keep to a face."""
         functions = self.functions
-        functions.number, functions.proofs = number, Collected()
+        functions.number, functions.proofs = number, DeferredClaims()
         functions.show_falls("", shift, strict=True)
         return list(of_two_fields(functions.proofs.claims))
 

@@ -37,7 +37,7 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cell
 from nonsmooth.proofs.kernel.homogeneity import Homogeneity, homogeneity_of
 from nonsmooth.proofs.kernel.quotients import values_inside
 from nonsmooth.proofs.kernel.search import (
-    Collected,
+    DeferredClaims,
     Entry,
     Functions,
     NotShownError,
@@ -145,7 +145,7 @@ def seen_in_roots(system: SwitchedSystem, homogeneity: Homogeneity | None) -> In
     rooted = with_roots(system, orders)
     axes = surfaces_of(rooted, parse_piecewise(" + ".join(f"Abs({w})" for w in rooted.states), rooted.states))
     cells = stated_cells(rooted, rooted.check.radius, axes).record
-    inclusion = Inclusion(in_roots(subject, roots), {**cells, "empty": []}, ["0"], Collected())
+    inclusion = Inclusion(in_roots(subject, roots), {**cells, "empty": []}, ["0"], DeferredClaims())
     units = balanced_units(inclusion, orders)
     return InRoots(subject, roots, tuple(orders), {**cells, "within": list(map(str, units))}, degree, units)
 

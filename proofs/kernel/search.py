@@ -385,7 +385,7 @@ def gradient(function: Polynomial, points: Floats) -> Floats:
 # Or about all functions of a basis, as the checker derives them.
 
 
-class Collected(Proofs):
+class DeferredClaims(Proofs):
     """Claims that are noted when they are asked, and shown later."""
 
     def __init__(self) -> None:
@@ -412,7 +412,7 @@ class Functions(Lyapunov):
         functions: Sequence[str | list[list[str]]],
         search: Search | None = None,
     ) -> None:
-        self.collected = Collected()
+        self.collected = DeferredClaims()
         super().__init__(Inclusion(system, cells, list(functions), search or self.collected), self.collected)
         self.number = 0
         self._known: dict[Hashable, Any] = {}  # of all functions: guards and pushes
@@ -440,7 +440,7 @@ class Functions(Lyapunov):
     def claims(self, number: int = 0, *, positive: bool = True, strict: bool = True) -> list[Claim]:
         """What Lyapunov's theorem asks of a function: that it is positive, and that it falls."""
         self.number = number
-        self.proofs = self.collected = Collected()
+        self.proofs = self.collected = DeferredClaims()
         if positive:
             self.show_positive()
         self.show_falls("", self.zero, strict=strict)
@@ -449,13 +449,13 @@ class Functions(Lyapunov):
     def claims_on_cells(self, number: int) -> list[Claim]:
         """That a function falls on closed cells."""
         self.number = number
-        self.proofs = self.collected = Collected()
+        self.proofs = self.collected = DeferredClaims()
         self.show_falls_on_cells("", self.zero, strict=True)
         return self.collected.claims
 
     def claims_by_square(self, speed: Fraction) -> list[Claim]:
         """That ``V' <= -speed V^2`` where V is not positive, of the first function."""
         self.number, self.below = 0, Fraction(0)
-        self.proofs = self.collected = Collected()
+        self.proofs = self.collected = DeferredClaims()
         self.show_falls_by_square(speed)
         return self.collected.claims

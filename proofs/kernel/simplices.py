@@ -22,7 +22,7 @@ from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.inequalities.prover import Counterexample
 from nonsmooth.proofs.inequalities.subdivision import (
     ConeCut,
-    Sought,
+    FormsClaim,
     SubCone,
     Violation,
     degree_of,
@@ -76,7 +76,7 @@ def search(claim: Claim, work: int) -> Record | Counterexample[Claim] | None:
     if claim.inequalities[0].pushes and any(inequality.zeros for inequality in claim.inequalities):
         return None
     roots = [_root(claim, corners) for corners in root_simplices(claim.count, bounded=claim.bounded)]
-    sought = Sought(claim.strict, claim.at_origin, border=claim.border)
+    sought = FormsClaim(claim.strict, claim.at_origin, border=claim.border)
     result = subdivide(roots, sought, work, lambda part: _leaf(claim, sought, part), _place_to_cut)
     if isinstance(result, Violation):
         return counterexample(claim, [x / result.point[-1] for x in result.point[:-1]])
@@ -123,7 +123,7 @@ def _form(value: Polynomial, corners: Sequence[Corner]) -> Form:
     return in_generators(terms, corners)
 
 
-def _leaf(claim: Claim, sought: Sought, part: SubCone) -> Leaf | None:
+def _leaf(claim: Claim, sought: FormsClaim, part: SubCone) -> Leaf | None:
     """What shows all inequalities on a part: without functions mu, or with values that a linear program proposes."""
     outcomes = [shown_by(part, sought, k, inequality.open) for k, inequality in enumerate(claim.inequalities)]
     evidence = [outcome for outcome in outcomes if outcome is not None]

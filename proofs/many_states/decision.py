@@ -46,7 +46,7 @@ from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.lyapunov_search import LARGE, SCALES, find_lyapunov, high_degree_relay
 from nonsmooth.proofs.sums_of_squares.conic_program import is_definite, simplest
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.derivatives import Decrease, Staying
+from nonsmooth.proofs.systems.derivatives import Decrease, InvariantMotion
 from nonsmooth.proofs.systems.findings import (
     KEPT,
     NOT_ATTRACTING,
@@ -482,5 +482,5 @@ def decide_by_invariance(point: SpacePoint) -> Finding | None:
     entry = None if function is None else function.attraction(point.system)
     if entry is None:
         return None
-    reason = f"{function.reason}, and {Staying.NONE}"
+    reason = f"{function.reason}, and {InvariantMotion.NONE}"
     return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function, entry=entry)

@@ -19,7 +19,7 @@ from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
 from nonsmooth.proofs.kernel.bases import functions_on
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, StatedCells, stated_cells, surfaces_of
-from nonsmooth.proofs.kernel.search import SQUARES, Collected, Functions, decide_claim
+from nonsmooth.proofs.kernel.search import SQUARES, DeferredClaims, Functions, decide_claim
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
 from nonsmooth.proofs.kernel.written import rational_slopes, terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
@@ -202,7 +202,7 @@ class NotZeroError(BeyondReachError):
 
 
 @dataclass(frozen=True)
-class Asked:
+class ExaminedClaim:
     """A claim with what is known of it.
 
     Attributes:
@@ -241,7 +241,7 @@ class ExaminedLyapunov(ExaminedFunction):
     radius: Number
     stated: StatedCells
     conditions: Functions = field(compare=False)
-    asked: tuple[Asked, ...] = ()
+    asked: tuple[ExaminedClaim, ...] = ()
     failure: Refutation | None = None
 
     @property
@@ -328,7 +328,7 @@ class ExaminedLyapunov(ExaminedFunction):
 
 def are_about_forms(claims: Sequence[Claim]) -> bool:
     """Whether claims on the cube hold at every distance."""
-    noted = Collected()
+    noted = DeferredClaims()
     for claim in claims:
         noted.note_form(claim)
     return noted.are_forms
@@ -354,7 +354,7 @@ def examine(
     examined = ExaminedLyapunov(formula, radius, stated, conditions)
     claims = conditions.claims()
     failure = find_failure(stated.cells, claims)
-    questions: list[Asked] = []
+    questions: list[ExaminedClaim] = []
     while failure is None and len(questions) < len(claims):
         questions.append(answer(claims[len(questions)], effort))
         if questions[-1].found is None:
@@ -384,7 +384,7 @@ def conditions_on(
     return stated, conditions
 
 
-def answer(claim: Claim, effort: Effort) -> Asked:
+def answer(claim: Claim, effort: Effort) -> ExaminedClaim:
     """A proof of a claim by any kind of evidence, as far as one is found; V itself must be positive.
 
     Sums of squares come first: their functions mu serve for rates, too.
@@ -397,7 +397,7 @@ def answer(claim: Claim, effort: Effort) -> Asked:
             outcome = decide_claim(replace(claim, strict=strict), WORK, but=SQUARES)
             proof = Shown(outcome.evidence, strict) if isinstance(outcome, Proof) else None
             against = outcome if isinstance(outcome, Counterexample) else None
-    return Asked(claim, proof, against)
+    return ExaminedClaim(claim, proof, against)
 
 
 def find_failure(cells: SignCells, claims: Sequence[Claim]) -> Refutation | None:
@@ -415,7 +415,7 @@ def find_failure(cells: SignCells, claims: Sequence[Claim]) -> Refutation | None
     return None
 
 
-def _met_failure(cells: SignCells, question: Asked) -> Refutation | None:
+def _met_failure(cells: SignCells, question: ExaminedClaim) -> Refutation | None:
     """A point that was met in the search of a proof about a cell, at which V is not positive or increases."""
     kind, counterexample = question.claim.name.split()[0], question.against
     if counterexample is None or kind == FACE or (kind != POSITIVE and not counterexample.value):
@@ -445,7 +445,7 @@ def _failure(cells: SignCells, point: Point, value: fmpq, *, positive: bool) -> 
     return Refutation(place, -at_point / as_fraction(cells.radius), RISES)
 
 
-def _open_words(question: Asked) -> str:
+def _open_words(question: ExaminedClaim) -> str:
     if question.claim.name.split()[0] == FACE:
         return "no proof was found that V falls where it bends"
     sense = "V' < 0" if question.is_about_fall else "V > 0"

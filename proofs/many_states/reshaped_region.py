@@ -27,7 +27,7 @@ from flint import fmpq
 from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, formula_text, functions_on, monomial
 from nonsmooth.proofs.kernel.cells import BeyondReachError, rational, rational_terms, stated_cells, without_signs
-from nonsmooth.proofs.kernel.search import Collected, stability_hypotheses
+from nonsmooth.proofs.kernel.search import DeferredClaims, stability_hypotheses
 from nonsmooth.proofs.kernel.squares import find
 from nonsmooth.proofs.kernel.written import hessian
 from nonsmooth.proofs.many_states.lyapunov_search import about_sum
@@ -371,7 +371,7 @@ class _Iteration:
             return None
         functions.require_below(level)
         claims = functions.claims()
-        functions.proofs = border = Collected()
+        functions.proofs = border = DeferredClaims()
         functions.show_border(level)
         proofs = dict(stated.proofs)
         for claim in (*claims, *border.claims):

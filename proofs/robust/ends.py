@@ -90,7 +90,7 @@ class Ends:
         return math.hypot(*(float(entry) for entry in self.at))
 
 
-class _Open(Enum):
+class _OpenReason(Enum):
     """Why rings about a centre do not say where bodies end."""
 
     RINGS = "they are not shown"
@@ -130,7 +130,7 @@ def decide_ends(
                     return outcome
                 away = away or outcome
                 break
-            if outcome is _Open.RINGS and not isinstance(shape, Distance):
+            if outcome is _OpenReason.RINGS and not isinstance(shape, Distance):
                 ellipses.append((centre, shape))
     return away or (_in_smaller_pieces(scene, ellipses, accuracy, keeps, finest) if finest else None)
 
@@ -148,7 +148,7 @@ def _in_smaller_pieces(
     """
     for centre, shape in ellipses:
         outcome = _about(scene, centre, shape, accuracy, keeps, finest)
-        if outcome is not _Open.RINGS:
+        if outcome is not _OpenReason.RINGS:
             return outcome if isinstance(outcome, Ends) else None
     return None
 
@@ -179,7 +179,7 @@ def _about(
     accuracy: Fraction,
     contacts: ContactSet,
     finer: Sequence[int],
-) -> Ends | _Open:
+) -> Ends | _OpenReason:
     """What rings about a centre show; ``finer``: into how many parts one is divided that is not shown whole."""
     x, y = (scene.field.rational(entry) for entry in centre)
     distance = root_above(centre[0] ** 2 + centre[1] ** 2)
@@ -191,14 +191,14 @@ def _about(
     # to come near they must come from twice the accuracy; to end farther away they need only come from the point
     through = 2 * float(accuracy) + float(distance) if distance < accuracy else float(distance) * BEYOND
     if most <= through:
-        return _Open.RINGS
+        return _OpenReason.RINGS
     wanted = max(CLOSE * accuracy, min(NEAR_REST * distance, abs(accuracy - distance) / 2))
     useful = abs(accuracy - distance)  # they end nearer than the accuracy, or as near to a place farther away
     with parts() as say:
         say(f"rings about {place_text(centre, 3)} from the point")
         rings = rings_about(there, most, through, float(wanted) / 2, shape, finer, useful)
     if rings is None or rings.start <= distance:
-        return _Open.RINGS
+        return _OpenReason.RINGS
     # bodies arrive in the smallest disc in a finite time where cells end at the place of rest, and slow down elsewhere
     soon = rings.radius if scene.contact.rule == "nearest" else min(wanted, accuracy - distance)
     near = max(rings.radius, soon)
@@ -207,10 +207,10 @@ def _about(
     else:
         ends_within, about, least = None, max(rings.radius, min(wanted, CLOSE * accuracy)), distance * Fraction(BEYOND)
         if distance * (1 - Fraction(1, 2**20)) - about <= accuracy:
-            return _Open.RINGS
+            return _OpenReason.RINGS
     within = _kept_start(there, rings, contacts, distance, least, about)
     if within is None:
-        return _Open.WHEELS
+        return _OpenReason.WHEELS
     swing, after = distance + rings.swing_from(within), rings.time_to(about, within)
     return Ends(ends_within, within - distance, swing, after, centre, about)
 

@@ -23,10 +23,10 @@ from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.systems.basin_mesh import Announce, BasinEffort, BuiltMesh, grown_mesh, last_ring, mesh_corners
 from nonsmooth.proofs.systems.basin_rings import (
+    AttractedLevel,
     FieldInCells,
     FloatField,
-    Home,
-    Pace,
+    RingGrowth,
     area,
     followed_home,
     inside_ring,
@@ -65,7 +65,7 @@ SAMPLES = tuple(2.0**k for k in range(-6, 20))  # places on a half-line, in floa
 AXES = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
-def find_borders(system: System, surfaces: Sequence[str], border: Floats, pace: Pace) -> list[Beside]:
+def find_borders(system: System, surfaces: Sequence[str], border: Floats, pace: RingGrowth) -> list[Beside]:
     """Saddles, in floats, each with the hypotheses of theorem ``outside``, which are shown, of a line beside it.
 
     Args:
@@ -185,8 +185,8 @@ MARGIN = 1.25  # of the square around the mesh over which starts are sampled
 
 
 EFFORTS = {
-    "fast": BasinEffort(Pace(0.04, 0.012, 0.04), 41, way=12.0, triangles=40_000, outward=300),
-    "best": BasinEffort(Pace(0.007, 0.0025, 0.02), 101, points=20_000, triangles=10_000_000),
+    "fast": BasinEffort(RingGrowth(0.04, 0.012, 0.04), 41, way=12.0, triangles=40_000, outward=300),
+    "best": BasinEffort(RingGrowth(0.007, 0.0025, 0.02), 101, points=20_000, triangles=10_000_000),
 }
 
 
@@ -288,7 +288,7 @@ def find_basin(
     def cells(unit: str) -> Plane:
         return Plane(system, unit, surfaces, Proofs({}))
 
-    field, home = FloatField(cells("1")), Home(system, local)
+    field, home = FloatField(cells("1")), AttractedLevel(system, local)
     first = level_ring(field, home)
     if first is None:
         return None
@@ -338,7 +338,7 @@ def find_basin_in_space(
         limit: half the side of a cube that the mesh does not leave, unless it begins in a wider one.
         announce: told what is done, how much of it, and of how much.
     """
-    field, home, effort = FloatField.of(system, surfaces), Home(system, local), IN_SPACE[budget]
+    field, home, effort = FloatField.of(system, surfaces), AttractedLevel(system, local), IN_SPACE[budget]
     front = Front(field, home, limit, effort)
     grown = front.grown(partial(announce, "polyhedra"))
     if len(grown) < 2:

@@ -25,7 +25,7 @@ from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls, whole_a
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings import Record
-from nonsmooth.proofs.systems.basin_rings import SMALL, FieldInCells, Pace, area, falls, gradients, grow, lengths
+from nonsmooth.proofs.systems.basin_rings import SMALL, FieldInCells, RingGrowth, area, falls, gradients, grow, lengths
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, following, max_norm
 
 BETWEEN = 0.5  # the way between two rings that are used at first, of their size
@@ -58,7 +58,7 @@ class BasinEffort:
         outward: steps of rings that look for a polygon outside, at most.
     """
 
-    pace: Pace
+    pace: RingGrowth
     starts: int
     every: int = 12
     points: int = 4_000

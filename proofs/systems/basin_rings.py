@@ -68,7 +68,7 @@ SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either 
 
 
 @dataclass(frozen=True)
-class Pace:
+class RingGrowth:
     """How rings grow.
 
     Attributes:
@@ -383,7 +383,7 @@ def area(ring: Floats) -> float:
     return float(np.sum(cross(ring, after)) / 2)
 
 
-class Home:
+class AttractedLevel:
     """Where a V that falls is below a level, on the square or cube on which that is shown, in floats.
 
     Attributes:
@@ -441,7 +441,7 @@ def _potential(system: System, local: Record) -> Callable[[Floats], Floats]:
     return potential
 
 
-def level_ring(field: FloatField, home: Home) -> Floats | None:
+def level_ring(field: FloatField, home: AttractedLevel) -> Floats | None:
     """Where V first is a level on rays from the point, within a square; None where it is not on all of them.
 
     There are rays to where the level set crosses surfaces, too: it may have corners there.
@@ -462,7 +462,7 @@ def level_ring(field: FloatField, home: Home) -> Floats | None:
 def grow(
     field: FieldInCells,
     ring: Floats,
-    pace: Pace,
+    pace: RingGrowth,
     limit: float,
     most: int,
     way: float,
@@ -497,7 +497,7 @@ def grow(
             before = area(ring)
 
 
-def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power: int) -> Floats:
+def next_ring(field: FieldInCells, ring: Floats, pace: RingGrowth, limit: float, power: int) -> Floats:
     """One step of Runge and Kutta backward in time, in which each point keeps its right-hand side and its turn."""
     size = float(lengths(ring).max())
     along = following(ring) - np.roll(ring, 1, axis=0)

@@ -28,7 +28,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.systems.basin_mesh import on_plane, whole_plane
-from nonsmooth.proofs.systems.basin_rings import FloatField, Home, falls, gradients, lattice_unit, mixtures, unit_ball
+from nonsmooth.proofs.systems.basin_rings import (
+    AttractedLevel,
+    FloatField,
+    falls,
+    gradients,
+    lattice_unit,
+    mixtures,
+    unit_ball,
+)
 from nonsmooth.symbolic.numbers.plane_arrays import (
     Floats,
     Mask,
@@ -177,7 +185,7 @@ class Front:
     def __init__(
         self,
         field: FloatField,
-        home: Home,
+        home: AttractedLevel,
         limit: float,
         effort: ShellEffort,
     ) -> None:
@@ -208,7 +216,7 @@ class Front:
         """The corners of the first polyhedron."""
         return self.sphere @ self.units.T
 
-    def _level_set(self, home: Home) -> Floats:
+    def _level_set(self, home: AttractedLevel) -> Floats:
         """Units U of the ellipsoid nearest to the set that attracts: ``r^-2 = u' P u`` for its distances r on rays u.
 
         ``P = (U U')^-1``; where that is not positive, U are the units of the states.
@@ -225,7 +233,7 @@ class Front:
             return np.eye(3)
         return np.linalg.inv(np.linalg.cholesky(form).T)
 
-    def _along_plane(self, home: Home) -> Floats | None:
+    def _along_plane(self, home: AttractedLevel) -> Floats | None:
         """Units in which a ball shrinks along a plane on which solutions slide near the point; None where none do.
 
         Its third axis is that of the jump of the field, so that off the plane the ball shrinks by what jumps.
@@ -509,11 +517,11 @@ def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, Mask]
     return mixtures(below, above, normal[None])
 
 
-def reach(home: Home, rays: Floats) -> Floats:
+def reach(home: AttractedLevel, rays: Floats) -> Floats:
     """How many times vectors lead to where the level set is left first, on their way out of its cube.
 
-    To a part of the way, nearer than :meth:`Home.reach`: polyhedra that begin elsewhere grow to others, larger and
-    smaller ones by a factor, without an order.
+    To a part of the way, nearer than :meth:`AttractedLevel.reach`: polyhedra that begin elsewhere grow to others,
+    larger and smaller ones by a factor, without an order.
     """
     shares = np.linspace(0, 1, 513)[1:, None] * home.within / max_norms(rays)
     outside = ~home((shares[:, :, None] * rays).reshape(-1, 3)).reshape(shares.shape)

@@ -45,9 +45,9 @@ from nonsmooth.analysis.cells.polygon import Point, clipped_by
 from nonsmooth.analysis.cells.region import Region, affine, common_edges
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, distinct, gradients_at, velocities_at
 from nonsmooth.proofs.findings import Record
-from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence, is_empty
+from nonsmooth.proofs.inequalities.curved_regions import ClosureMembership, closure_membership, is_empty
 from nonsmooth.proofs.inequalities.forms import Question, Sense, build_parts
-from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Ladder, Trend, Trends, ladder_at, worst
+from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Ladder, SupremumSign, SupremumSigns, ladder_at, worst
 from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Undecided, ZeroBetween, prove
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
 from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own, shared_effort
@@ -162,7 +162,7 @@ class Stratum:
     Attributes:
         sample: a point of it.
         ladder: the three derivatives at the sample.
-        trends: what their maxima do on the whole part (on closed cells, except at the equilibrium).
+        supremum_signs: what their maxima do on the whole part (on closed cells, except at the equilibrium).
         evidence: the inequality for each field of a cell; the edge; nothing for a corner.
         refutation: where the last derivative is positive, or V is not continuous.
         constant: whether the ladder at the sample holds on the whole part.
@@ -170,7 +170,7 @@ class Stratum:
 
     sample: Point
     ladder: Ladder
-    trends: Trends
+    supremum_signs: SupremumSigns
     evidence: tuple[Outcome, ...] | Kink | None
     refutation: Refutation | None
     constant: bool
@@ -182,20 +182,22 @@ class Stratum:
 def cell_stratum(cell: LyapunovCell) -> Stratum:
     """``grad V . f`` on the closed cell, for each field."""
     outcomes = tuple(_rate_outcome(rate, cell.region) for rate in cell.rates)
-    trends = [trend_of(outcome) for outcome in outcomes]
+    supremum_signs = [supremum_sign_of(outcome) for outcome in outcomes]
     sample = cell.region.inner_point
-    refuted = [o for o, trend in zip(outcomes, trends, strict=True) if trend is Trend.POSITIVE]
+    refuted = [
+        o for o, supremum_sign in zip(outcomes, supremum_signs, strict=True) if supremum_sign is SupremumSign.POSITIVE
+    ]
     refutation = None
     if refuted and isinstance(refuted[0], Counterexample):
         refutation = Refutation(refuted[0].point, refuted[0].value, RISES)
     rates = [rate(sample) for rate in cell.rates]
     interval = Interval(min(rates), max(rates))
-    trend = worst(trends)
+    supremum_sign = worst(supremum_signs)
     constant = all(rate.constant_value is not None for rate in cell.rates)
     return Stratum(
         sample,
         Ladder(interval, interval, interval),
-        Trends(trend, trend, trend),
+        SupremumSigns(supremum_sign, supremum_sign, supremum_sign),
         outcomes,
         refutation,
         constant,
@@ -210,15 +212,15 @@ def _rate_outcome(rate: Polynomial, region: Region) -> Outcome:
     return prove(Sense.NONPOSITIVE, rate, region)
 
 
-def trend_of(outcome: Outcome) -> Trend:
+def supremum_sign_of(outcome: Outcome) -> SupremumSign:
     """What an outcome of :func:`_rate_outcome` says of the derivative on its closed cell."""
     match outcome:
         case Proof():
-            return Trend.NEGATIVE if outcome.question.sense.strict else Trend.NONPOSITIVE
+            return SupremumSign.NEGATIVE if outcome.question.sense.strict else SupremumSign.NONPOSITIVE
         case Undecided():
-            return Trend.UNDECIDED
+            return SupremumSign.UNDECIDED
         case _:
-            return Trend.POSITIVE
+            return SupremumSign.POSITIVE
 
 
 # ---- edges and corners where V bends ---------------------------------------------------------
@@ -261,16 +263,20 @@ def _parting(first: LyapunovCell, second: LyapunovCell) -> list[Polynomial]:
 
 def _kink_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
     try:
-        trends, place = kink.trends()
+        supremum_signs, place = kink.supremum_signs()
     except WorkLimitError:
         return _open_stratum(cells, kink.point(Fraction(1)))
     guarded = bool(kink.first.region.guards or kink.second.region.guards)
     if guarded:  # not every point of the edge belongs to both cells: only the largest set is an upper bound
-        bound = trends.naive if trends.naive.rank <= Trend.NONPOSITIVE.rank else Trend.UNDECIDED
-        trends = Trends(bound, bound, bound)
+        bound = (
+            supremum_signs.naive
+            if supremum_signs.naive.rank <= SupremumSign.NONPOSITIVE.rank
+            else SupremumSign.UNDECIDED
+        )
+        supremum_signs = SupremumSigns(bound, bound, bound)
     sample = kink.point(kink.samples()[0])
     refutation = None
-    if trends.bacciotti_ceragioli is Trend.POSITIVE:
+    if supremum_signs.bacciotti_ceragioli is SupremumSign.POSITIVE:
         at = place.low if isinstance(place, RealRoot) else place
         refutation = Refutation(kink.point(at), None, RISES_ON_LINE)
         if not isinstance(place, RealRoot):
@@ -282,7 +288,7 @@ def _kink_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
         for f, g in (*kink.first.velocities, *kink.second.velocities)
         for rate in [gradient[0] * f + gradient[1] * g]
     )
-    return Stratum(sample, derivatives_at(cells, sample), trends, kink, refutation, constant)
+    return Stratum(sample, derivatives_at(cells, sample), supremum_signs, kink, refutation, constant)
 
 
 def _jump_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
@@ -294,19 +300,21 @@ def _jump_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
     if place is None:
         return _open_stratum(cells, kink.point(kink.samples()[0]))
     refutation = Refutation(place, difference(place), "V is not continuous")
-    positive = Trends(Trend.POSITIVE, Trend.POSITIVE, Trend.POSITIVE)
+    positive = SupremumSigns(SupremumSign.POSITIVE, SupremumSign.POSITIVE, SupremumSign.POSITIVE)
     return Stratum(place, derivatives_at(cells, place), positive, kink, refutation, constant=False)
 
 
 def _corner_stratum(cells: Sequence[LyapunovCell], corner: Point) -> Stratum:
     ladder = derivatives_at(cells, corner)
-    trends = Trends(*(Trend.EMPTY if i is None else Trend.of_sign(sign(i.high)) for i in ladder))
-    return Stratum(corner, ladder, trends, None, None, constant=True)
+    supremum_signs = SupremumSigns(
+        *(SupremumSign.EMPTY if i is None else SupremumSign.of_sign(sign(i.high)) for i in ladder)
+    )
+    return Stratum(corner, ladder, supremum_signs, None, None, constant=True)
 
 
 def _open_stratum(cells: Sequence[LyapunovCell], sample: Point) -> Stratum:
     """Two pieces of V beside a curve, or on an edge that is too much work."""
-    undecided = Trends(Trend.UNDECIDED, Trend.UNDECIDED, Trend.UNDECIDED)
+    undecided = SupremumSigns(SupremumSign.UNDECIDED, SupremumSign.UNDECIDED, SupremumSign.UNDECIDED)
     return Stratum(sample, derivatives_at(cells, sample), undecided, None, None, constant=False)
 
 
@@ -315,7 +323,7 @@ def _curved_stratum(cells: Sequence[LyapunovCell], kink: CurvedKink) -> Stratum:
     stratum = _open_stratum(cells, kink.around.inner_point)
     if not kink.falls(cells):
         return stratum
-    return replace(stratum, trends=stratum.trends._replace(bacciotti_ceragioli=Trend.NEGATIVE))
+    return replace(stratum, supremum_signs=stratum.supremum_signs._replace(bacciotti_ceragioli=SupremumSign.NEGATIVE))
 
 
 def _overlap(first: LyapunovCell, second: LyapunovCell) -> Region | None:
@@ -359,12 +367,12 @@ class Supremum:
     """The largest value of one derivative over the domain without the equilibrium.
 
     Attributes:
-        trend: its sign.
+        supremum_sign: its sign.
         value: the exact value where every part that matters has a constant one; None otherwise.
         point: a point of the part on which it is largest.
     """
 
-    trend: Trend
+    supremum_sign: SupremumSign
     value: Any | None
     point: Point | None
 
@@ -391,14 +399,14 @@ class LyapunovResult(ShortRepr):
 
     def supremum(self, name: str) -> Supremum:
         """Of ``naive``, ``shevitz_paden`` or ``bacciotti_ceragioli``, over the parts on which it is not empty."""
-        parts = [s for s in self.strata if getattr(s.trends, name) is not Trend.EMPTY]
-        trend = worst([getattr(s.trends, name) for s in parts])
+        parts = [s for s in self.strata if getattr(s.supremum_signs, name) is not SupremumSign.EMPTY]
+        supremum_sign = worst([getattr(s.supremum_signs, name) for s in parts])
         sampled = [(getattr(s.ladder, name), s.sample) for s in parts]
         attained = [(interval.high, sample) for interval, sample in sampled if interval is not None]
         if not attained:
-            return Supremum(trend, None, None)
+            return Supremum(supremum_sign, None, None)
         value, point = max(attained, key=itemgetter(0))
-        return Supremum(trend, value if all(s.constant for s in parts) else None, point)
+        return Supremum(supremum_sign, value if all(s.constant for s in parts) else None, point)
 
 
 @shared_effort(EFFORT)
@@ -434,12 +442,12 @@ def conclude(
     refuted = next(refutations(cells, definite, strata), None)
     if refuted is not None:
         return Decrease.REFUTED, refuted, refuted.meaning
-    trends = [_trusted(stratum) for stratum in strata]
+    supremum_signs = [_trusted(stratum) for stratum in strata]
     open_part = next((o for o in definite if not isinstance(o, Proof)), None)
-    if open_part is not None or worst(trends) is Trend.UNDECIDED:
+    if open_part is not None or worst(supremum_signs) is SupremumSign.UNDECIDED:
         stuck = [o for o in (open_part, *_outcomes(strata)) if isinstance(o, Undecided)]
         return Decrease.UNDECIDED, None, stuck[0].reason if stuck else "V bends where its derivative is not decided"
-    if worst(trends) in (Trend.EMPTY, Trend.NEGATIVE):
+    if worst(supremum_signs) in (SupremumSign.EMPTY, SupremumSign.NEGATIVE):
         return Decrease.STRICT, None, Decrease.STRICT.value
     return Decrease.WEAK, None, Decrease.WEAK.value
 
@@ -450,10 +458,14 @@ def _outcomes(strata: Sequence[Stratum]) -> Iterator[Outcome]:
             yield from stratum.evidence
 
 
-def _trusted(stratum: Stratum) -> Trend:
-    """The trend that decides; a positive one without refutation decides nothing."""
-    trend = stratum.trends.bacciotti_ceragioli
-    return Trend.UNDECIDED if trend is Trend.POSITIVE and stratum.refutation is None else trend
+def _trusted(stratum: Stratum) -> SupremumSign:
+    """The sign that decides; a positive one without refutation decides nothing."""
+    supremum_sign = stratum.supremum_signs.bacciotti_ceragioli
+    return (
+        SupremumSign.UNDECIDED
+        if supremum_sign is SupremumSign.POSITIVE and stratum.refutation is None
+        else supremum_sign
+    )
 
 
 def refutations(
@@ -463,7 +475,7 @@ def refutations(
     for cell, outcome in zip(cells, definite, strict=True):
         zero = cell.potential.field.zero
         at_origin = cell.potential.at_origin
-        if at_origin and adherence(cell.region) is Adherence.YES:
+        if at_origin and closure_membership(cell.region) is ClosureMembership.YES:
             yield Refutation((zero, zero), at_origin, "V is not zero at the equilibrium")
         if isinstance(outcome, Counterexample):
             yield Refutation(outcome.point, outcome.value, "V is not positive")
@@ -492,7 +504,7 @@ def refutations(
 ALONG = (Fraction(1, 64), Fraction(1, 2), Fraction(1))  # of a side, from its first end, where a rest is looked for
 
 
-class Staying(StrEnum):
+class InvariantMotion(StrEnum):
     """What is known of solutions that stay where V' = 0."""
 
     NONE = "no solution but the equilibrium stays where V' = 0"
@@ -502,9 +514,9 @@ class Staying(StrEnum):
     UNDECIDED = "whether other solutions stay where V' = 0 is not decided"
 
 
-def decide_staying(
+def decide_invariant_motion(
     system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, cells: Sequence[LyapunovCell]
-) -> Staying:
+) -> InvariantMotion:
     """Whether a solution other than the origin stays for ever on one level of V inside the domain.
 
     Args:
@@ -514,12 +526,12 @@ def decide_staying(
         cells: cover the domain; V is positive and does not increase on them.
     """
     if attraction(system, formula, radius, cells) is not None:
-        return Staying.NONE
+        return InvariantMotion.NONE
     if not all(rate for cell in cells for rate in cell.rates):
-        return Staying.CELLS
+        return InvariantMotion.CELLS
     if _holds_level_arc(cells):
-        return Staying.ARC
-    return Staying.UNDECIDED if resting_place(cells) is None or system.only_encloses else Staying.RESTS
+        return InvariantMotion.ARC
+    return InvariantMotion.UNDECIDED if resting_place(cells) is None or system.only_encloses else InvariantMotion.RESTS
 
 
 def attraction(

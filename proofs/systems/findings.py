@@ -178,7 +178,7 @@ def weak_finding(function: ExaminedFunction, refutes: str) -> Finding:
 
 
 @dataclass(frozen=True)
-class Known:
+class Findings:
     """The findings so far, in the order in which they were made."""
 
     findings: tuple[Finding, ...] = ()
@@ -267,7 +267,7 @@ class DecidedSystem:
     @property
     def deciding(self) -> Finding:
         """The finding that decides."""
-        standing = Known(self.findings).standing
+        standing = Findings(self.findings).standing
         if standing is None:
             raise ValueError("required a result with findings")
         return standing
@@ -317,7 +317,7 @@ class CheckedPoint(ABC):
     """
 
     system: SwitchedSystem
-    known = Known()
+    known = Findings()
 
     @property
     @abstractmethod
@@ -364,7 +364,7 @@ class Strategy:
     states: range
     module: str
     function: str
-    asked: Callable[[Known], bool] | None = None
+    asked: Callable[[Findings], bool] | None = None
 
     def decide(self, point: CheckedPoint) -> Finding | None:
         """What it finds at a point, beside what is known; None where that is nothing, or nothing more."""

@@ -28,7 +28,16 @@ from nonsmooth.proofs.checker.outside import show_outside
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings import Record
-from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, area, grow, lattice_unit, next_ring, sines, unit_ball
+from nonsmooth.proofs.systems.basin_rings import (
+    FloatField,
+    RingGrowth,
+    area,
+    grow,
+    lattice_unit,
+    next_ring,
+    sines,
+    unit_ball,
+)
 from nonsmooth.symbolic.numbers.plane_arrays import (
     Floats,
     are_finite,
@@ -58,7 +67,9 @@ FIRST, SMALLER, LOOKS = 200, (2, 4, 8, 16, 64), 25  # points of the first ring; 
 KEPT, LONGEST, COARSENINGS = 0.25, (1 / 24, 1 / 96), 6  # of the angle; of the size, sides with fewer corners; rounds
 
 
-def find_outer_ring(system: System, surfaces: Sequence[str], border: Floats, pace: Pace, steps: int) -> Record | None:
+def find_outer_ring(
+    system: System, surfaces: Sequence[str], border: Floats, pace: RingGrowth, steps: int
+) -> Record | None:
     """The hypotheses of theorem ``outside``, which are shown; None where no polygon is found.
 
     Args:
@@ -73,7 +84,7 @@ def find_outer_ring(system: System, surfaces: Sequence[str], border: Floats, pac
     rings = [wider * border for wider in WIDER]
     for angle in (turn * pace.angle for turn in TURNS):
         for ring in rings:
-            inward = Pace(-angle, min(pace.gap, SLENDER * angle), pace.move)
+            inward = RingGrowth(-angle, min(pace.gap, SLENDER * angle), pace.move)
             taken, nearer = _shrunk(field, ring, border, inward, min(steps, STEPS))
             steps -= taken
             hypotheses = None if nearer is None else shown_polygon(system, surfaces, field, nearer)
@@ -85,7 +96,7 @@ def find_outer_ring(system: System, surfaces: Sequence[str], border: Floats, pac
     return best
 
 
-def find_traps(system: System, surfaces: Sequence[str], border: Floats, pace: Pace, steps: int) -> list[Beside]:
+def find_traps(system: System, surfaces: Sequence[str], border: Floats, pace: RingGrowth, steps: int) -> list[Beside]:
     """Other places of rest, in floats, each with the hypotheses of theorem ``outside``, which are shown, of a polygon.
 
     Args:
@@ -143,7 +154,7 @@ def _slopes(field: FloatField, x: Floats, width: float) -> Floats:
 
 
 def _grown_about(
-    system: System, surfaces: Sequence[str], place: Floats, slope: Floats, pace: Pace, steps: int
+    system: System, surfaces: Sequence[str], place: Floats, slope: Floats, pace: RingGrowth, steps: int
 ) -> Record | None:
     """A polygon about a place of rest, as large as is shown; None where none is."""
     away = [Fraction(round(coordinate * 2**BITS), 2**BITS) for coordinate in place.tolist()]
@@ -161,7 +172,7 @@ def _grown_about(
         return None
     most = min(MOST_POINTS, POINTS_A_STEP * steps)
     angle = min(COARSER * pace.angle, LESS * float(np.arcsin(sines(field, first[::-1]).min())))
-    outward = Pace(angle, min(COARSER * pace.gap, SLENDER * angle), pace.move)
+    outward = RingGrowth(angle, min(COARSER * pace.gap, SLENDER * angle), pace.move)
     rings = list(grow(field, first, outward, FARTHEST * distance, most, steps * pace.move, lambda done, total: None))
     return next(filter(None, map(shown, rings[:: -max(1, len(rings) // LOOKS)])), None)
 
@@ -219,7 +230,7 @@ def is_shown(system: System, hypotheses: Record) -> bool:
     return True
 
 
-def _shrunk(field: FloatField, ring: Floats, border: Floats, pace: Pace, most: int) -> tuple[int, Floats | None]:
+def _shrunk(field: FloatField, ring: Floats, border: Floats, pace: RingGrowth, most: int) -> tuple[int, Floats | None]:
     """How many steps a ring follows the field backward until it shrinks no more, and the ring.
 
     None where it comes to the region, or leaves.

@@ -25,7 +25,13 @@ from nonsmooth.analysis.cells.region import cone_region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, distinct, velocities_at
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_cones
 from nonsmooth.proofs.findings import Equilibrium, Translation
-from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adherence, ray_adherence, sectors
+from nonsmooth.proofs.inequalities.curved_regions import (
+    ClosureMembership,
+    Extent,
+    closure_membership,
+    ray_closure_membership,
+    sectors,
+)
 from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.inequalities.kinks import mixtures
 from nonsmooth.proofs.inequalities.real_roots import (
@@ -47,9 +53,9 @@ from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, si
 
 def decide_equilibrium(cells: Sequence[FieldCell]) -> Equilibrium:
     """Whether 0 is in F at the origin; undecided where that hangs on a cell of which it is not known if it counts."""
-    by_adherence = [(adherence(cell.region), cell) for cell in cells]
-    sure = [cell for status, cell in by_adherence if status is Adherence.YES]
-    possible = [cell for status, cell in by_adherence if status is not Adherence.NO]
+    by_membership = [(closure_membership(cell.region), cell) for cell in cells]
+    sure = [cell for status, cell in by_membership if status is ClosureMembership.YES]
+    possible = [cell for status, cell in by_membership if status is not ClosureMembership.NO]
     if hull_holds_zero(values_at_origin(sure)):
         return Equilibrium.HOLDS
     return Equilibrium.UNDECIDED if hull_holds_zero(values_at_origin(possible)) else Equilibrium.FAILS
@@ -129,7 +135,7 @@ def resting_edges(cells: Sequence[FieldCell], *, enclosing: bool = False) -> Ite
             if any(origin[:2]) or not origin[2]:
                 continue
             ray = (other[0], other[1])
-            beside = [c for c in cells if ray_adherence(c.region, ray) is Adherence.YES]
+            beside = [c for c in cells if ray_closure_membership(c.region, ray) is ClosureMembership.YES]
             if _all_oppose(beside, ray) if enclosing else _some_oppose(beside, ray):
                 yield RayOfRest(ray)
 

@@ -28,7 +28,7 @@ from nonsmooth.proofs.findings import Equilibrium, Record, Translation
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own, shared_effort
 from nonsmooth.proofs.kernel.cells import require_denominators
-from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, Staying, attraction, examine
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, InvariantMotion, attraction, examine
 from nonsmooth.proofs.systems.domain import Domain, domains, given_cells, plane_cells
 from nonsmooth.proofs.systems.findings import (
     KEPT,
@@ -289,7 +289,7 @@ def attraction_by(point: PlanePoint, function: PlaneFunction) -> Finding | None:
     entry = point.attraction(function) if function.decrease is Decrease.WEAK else None
     if entry is None:
         return None
-    reason = f"{function.reason}, and {Staying.NONE}"
+    reason = f"{function.reason}, and {InvariantMotion.NONE}"
     return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=entry)
 
 

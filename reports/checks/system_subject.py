@@ -8,7 +8,7 @@ from functools import cached_property
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.stated_field import StatedField, stated_field
 from nonsmooth.proofs.findings import Record
-from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence
+from nonsmooth.proofs.inequalities.curved_regions import ClosureMembership, closure_membership
 from nonsmooth.proofs.kernel.cells import SignCells, adjoining, build_cells
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.findings import ExaminedFunction, Method, PlaneFunction
@@ -96,7 +96,7 @@ class SystemSubject(ReportSubject):
             BeyondReachError: where there are too many cells.
         """
         if self.is_in_plane:
-            near = (cell for cell in self.polygons if adherence(cell.region) is not Adherence.NO)
+            near = (cell for cell in self.polygons if closure_membership(cell.region) is not ClosureMembership.NO)
             return list(values_at_origin(near))
         system = self.scene.by_roots.unscaled if self.scene.by_roots else self.scene
         cells, number = build_cells(system, system.check.radius, irrational=True), system.field

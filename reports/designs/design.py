@@ -14,7 +14,16 @@ from nonsmooth.analysis.cells.contact_rule import all_rules, rule_of
 from nonsmooth.proofs.answers.answer import require_dynamics
 from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.designs.freedom import KINDS, ORDERS, WHEELS, Freedom, Orbits, largest_symmetry, orbits_of
-from nonsmooth.reports.designs.search import OBJECTIVES, Design, Evaluation, Fewest, Told, Wish, evaluate, find_design
+from nonsmooth.reports.designs.search import (
+    OBJECTIVES,
+    Design,
+    DesignGoal,
+    Evaluation,
+    SmallestChoice,
+    Told,
+    evaluate,
+    find_design,
+)
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.entries import as_json, entry, toml_text
 from nonsmooth.reports.output.facts import fact_record
@@ -37,7 +46,7 @@ from nonsmooth.symbolic.numbers.plane import in_floats
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.answer import Answer
-    from nonsmooth.reports.designs.search import Design, Evaluation, Fewest, Wish
+    from nonsmooth.reports.designs.search import Design, DesignGoal, Evaluation, SmallestChoice
     from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 
 
@@ -57,7 +66,7 @@ class DesignError(ValueError):
     """``keyword: required ..., received ...``; the command line puts two dashes before it."""
 
 
-def read_wish(scene: Scene, require: str, maximize: str, checks: int, seed: int) -> Wish:
+def read_wish(scene: Scene, require: str, maximize: str, checks: int, seed: int) -> DesignGoal:
     """What is required and maximized.
 
     Args:
@@ -88,7 +97,7 @@ def read_wish(scene: Scene, require: str, maximize: str, checks: int, seed: int)
         require_dynamics(scene, "maximize")
     if objective == "heading":
         require_outline(scene)
-    return Wish(_names(require, "require", REQUIRED), objective, checks, seed)
+    return DesignGoal(_names(require, "require", REQUIRED), objective, checks, seed)
 
 
 def read_freedom(scene: Scene, free: str, move: Any, symmetry: int | None) -> Freedom:
@@ -154,7 +163,9 @@ def _order(scene: Scene, asked: int | None) -> int:
 LEAST = 2  # wheels: under no rule a body stands on fewer
 
 
-def find_fewest(base: Mapping[str, Any], folder: Path, scene: Scene, order: int, wish: Wish, told: Told) -> Design:
+def find_fewest(
+    base: Mapping[str, Any], folder: Path, scene: Scene, order: int, wish: DesignGoal, told: Told
+) -> Design:
     """The smallest choice of the wheels under the body that meets what is required; of that size the best.
 
     Args:
@@ -184,7 +195,7 @@ def find_fewest(base: Mapping[str, Any], folder: Path, scene: Scene, order: int,
         if not found.unmet and (best is None or found.cost < best[0].cost):
             best = found, document, candidate
     count = None if best is None else len(best[2].wheels)
-    fewest = Fewest(count, undecided, checks < wish.checks or best is not None, len(orbits[0]))
+    fewest = SmallestChoice(count, undecided, checks < wish.checks or best is not None, len(orbits[0]))
     if best is None or count == len(scene.wheels):  # nothing smaller than the scene itself
         return Design(dict(base), scene, given, given, checks, fewest=fewest)
     return Design(best[1], best[2], best[0], given, checks, fewest=fewest)
@@ -206,7 +217,9 @@ def _document(base: Mapping[str, Any], scene: Scene, chosen: tuple[int, ...]) ->
 # ---- the design that is named --------------------------------------------------------------------
 
 
-def find_named(base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish, told: Told) -> Design:
+def find_named(
+    base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: DesignGoal, told: Told
+) -> Design:
     """What :func:`nonsmooth.reports.designs.search.find_design` or ``find_fewest`` finds, with a name and a source."""
     if freedom.kinds == (WHEELS,):
         design = find_fewest(base, folder, scene, freedom.order, wish, told)
@@ -285,7 +298,7 @@ class DesignResult(Result, Generic[Held]):
     """
 
     design: Design
-    wish: Wish
+    wish: DesignGoal
     array: Held | None = None
 
     formats: ClassVar[Formats] = {".toml": lambda found, ending: toml_text(found.design.document).encode()}
@@ -537,7 +550,7 @@ def _write_report(document: dict[str, Any], folder: Path, options: DesignOptions
     derive_report(scene, how, chosen_parts((), MEASUREMENTS.split(","))).write_to(Path(path))
 
 
-def _fewest_words(fewest: Fewest) -> str:
+def _fewest_words(fewest: SmallestChoice) -> str:
     """What is proved of smaller choices."""
     if not fewest.all_checked:
         return "not all choices were checked (--checks allows more)"

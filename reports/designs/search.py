@@ -184,7 +184,7 @@ class SpentError(Exception):
 
 
 @dataclass(frozen=True)
-class Wish:
+class DesignGoal:
     """What is asked for.
 
     Attributes:
@@ -201,7 +201,7 @@ class Wish:
 
 
 @dataclass(frozen=True)
-class Fewest:
+class SmallestChoice:
     """What is known of the smallest choice of wheels.
 
     Attributes:
@@ -237,7 +237,7 @@ class Design:
     base: Evaluation
     checks: int
     impossible: str = ""
-    fewest: Fewest | None = None
+    fewest: SmallestChoice | None = None
 
     @property
     def is_found(self) -> bool:
@@ -248,7 +248,7 @@ class Design:
 class _Search:
     """The candidates of one search: each is built and judged once, however often the search comes back to it."""
 
-    def __init__(self, base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish) -> None:
+    def __init__(self, base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: DesignGoal) -> None:
         self._base, self._folder, self._scene, self._freedom, self._wish = base, folder, scene, freedom, wish
         self._known: dict[str, Evaluation] = {}
         self.best: tuple[Evaluation, Record, Scene] | None = None
@@ -280,7 +280,7 @@ class _Search:
 
 
 def find_design(
-    base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish, told: Told
+    base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: DesignGoal, told: Told
 ) -> Design:
     """Search for a design.
 
@@ -303,7 +303,7 @@ def find_design(
     return Design(document, found, best, given, search.checks)
 
 
-def _why_impossible(given: Evaluation, freedom: Freedom, wish: Wish) -> str:
+def _why_impossible(given: Evaluation, freedom: Freedom, wish: DesignGoal) -> str:
     """What is proved of the given scene whatever the speeds are: which twists its wheels can impose."""
     if "pose" not in wish.required or freedom.kinds != ("speeds",) or not given.answers:
         return ""
@@ -311,11 +311,11 @@ def _why_impossible(given: Evaluation, freedom: Freedom, wish: Wish) -> str:
     return pose.sentence if pose.verdict is Pose.CANNOT_BE_HELD else ""
 
 
-def _evolve(search: _Search, scene: Scene, freedom: Freedom, wish: Wish, told: Told) -> None:
+def _evolve(search: _Search, scene: Scene, freedom: Freedom, wish: DesignGoal, told: Told) -> None:
     """Let costs fall: all wheels alike, then far and wide, then around the best, until all checks are done."""
     from scipy.optimize import differential_evolution, minimize, minimize_scalar
 
-    tried = _Tried(search, told, np.array(freedom.start(scene)))
+    tried = _SearchHistory(search, told, np.array(freedom.start(scene)))
     bounds = [(0.0, 1.0)] * len(tried.best)
     with suppress(SpentError):
         tried.limit = round(ALIKE * wish.checks)
@@ -344,7 +344,7 @@ def _evolve(search: _Search, scene: Scene, freedom: Freedom, wish: Wish, told: T
         minimize(tried.cost, tried.best, method="Nelder-Mead", bounds=bounds, options={"initial_simplex": simplex})
 
 
-class _Tried:
+class _SearchHistory:
     """The costs of a search with the best vector so far, up to a limit of checks."""
 
     def __init__(self, search: _Search, told: Told, start: Floats) -> None:

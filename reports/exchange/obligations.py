@@ -53,22 +53,22 @@ class Obligation:
     conclusion: Term
 
 
-class _Noted(Proofs):
+class _RecordedClaims(Proofs):
     """Shows claims by their evidence, and keeps them."""
 
     def __init__(self, data: Any) -> None:
         super().__init__(data)
         self.own: list[Claim] = []
-        self.parts: list[_Noted] = []
+        self.parts: list[_RecordedClaims] = []
 
     def show(self, claim: Claim) -> None:
         """Show a claim by its evidence, and keep it."""
         super().show(claim)
         self.own.append(claim)
 
-    def of_part(self, data: Any) -> _Noted:
+    def of_part(self, data: Any) -> _RecordedClaims:
         """The evidence of a theorem about a part, whose claims are kept too."""
-        self.parts.append(_Noted(data))
+        self.parts.append(_RecordedClaims(data))
         return self.parts[-1]
 
     @property
@@ -97,7 +97,7 @@ def obligations_of(certificate: Mapping[str, Any], source: str) -> list[Obligati
     for number, entry in enumerate(data["evidence"], 1):
         if entry["theorem"] == MESH:
             raise SceneError(source, "", "a certificate without a mesh", StatedFact("one by the theorem basin"))
-        proofs = _Noted(entry["proofs"])
+        proofs = _RecordedClaims(entry["proofs"])
         THEOREMS[entry["theorem"]](subject, entry["hypotheses"], proofs)
         theorem = f"{number} {entry['theorem']}"
         found += [obligation for claim in proofs.claims for obligation in _of_claim(claim, theorem)]

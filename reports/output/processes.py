@@ -33,7 +33,7 @@ class StoppedError(Exception):
     """A job that came to no end of its own: nobody wants it any more."""
 
 
-class LateError(StoppedError):
+class JobTimeoutError(StoppedError):
     """A job that took too long."""
 
 
@@ -140,7 +140,7 @@ class WorkerPool:
 
         Raises:
             StoppedError: where it is cancelled.
-            LateError: where it takes too long.
+            JobTimeoutError: where it takes too long.
             DiedError: where its worker is killed.
         """
         unwanted = cancelled or asyncio.Event()
@@ -254,7 +254,7 @@ async def _messages(
             async with asyncio.timeout_at(deadline):
                 message = await _unless(cancelled, worker.receive())
         except TimeoutError:
-            raise LateError from None
+            raise JobTimeoutError from None
         if message is None:
             raise DiedError
         if message == END:

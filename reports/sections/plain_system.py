@@ -380,7 +380,7 @@ def _ladder(shown: PlaneFunction) -> Block:
         largest: Entry = ""
         if found.value is not None and found.point is not None:
             largest = (number(found.value), " at ", point(found.point))
-        rows.append([DERIVATIVES[key], str(found.trend), largest])
+        rows.append([DERIVATIVES[key], str(found.supremum_sign), largest])
     return table(("derivative", "sign", "largest value, where it is attained"), rows, (0.3, 0.25, 0.45))
 
 

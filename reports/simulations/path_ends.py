@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swings_of
+from nonsmooth.analysis.bodies.settling import Settling, SettlingResult, arrival, swings_of
 from nonsmooth.analysis.trajectories.result import (
     UNFINISHED,
     End,
@@ -213,7 +213,7 @@ def _motion(end: Ending, scene: Scene) -> str:
 # ---- with inertia --------------------------------------------------------------------------------
 
 
-def settled_words(scene: Scene, body: Settled) -> str:
+def settled_words(scene: Scene, body: SettlingResult) -> str:
     """What becomes of a body with inertia, from rest."""
     if body.kind is Settling.THROWN_OFF:
         return f"thrown off after {float_text(body.until, DIGITS)}{scene.units.after_time}"
@@ -226,7 +226,7 @@ def settled_words(scene: Scene, body: Settled) -> str:
     return ", ".join(parts)
 
 
-def settled_record(scene: Scene, body: Settled) -> Record:
+def settled_record(scene: Scene, body: SettlingResult) -> Record:
     """JSON-ready."""
     return {
         "status": "simulated",

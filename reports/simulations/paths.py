@@ -15,7 +15,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from nonsmooth.analysis.bodies.settling import Settled, Settling
+from nonsmooth.analysis.bodies.settling import Settling, SettlingResult
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.cells.loads import LoadError
@@ -332,7 +332,7 @@ class ArrayPath(PathResult):
     scene: Scene
     trajectory: Trajectory
     partition: Partition | None = None
-    heavy: Settled | str | None = None
+    heavy: SettlingResult | str | None = None
 
     formats: ClassVar[Formats] = {
         **FORMATS,
@@ -370,7 +370,7 @@ class ArrayPath(PathResult):
     def facts(self) -> Record:
         """The record of the trajectory, and what becomes of a body with inertia; there is no law."""
         record: Record = super().facts() | {"law": None, "speeds": None}
-        if isinstance(self.heavy, Settled):
+        if isinstance(self.heavy, SettlingResult):
             record["inertia"] = settled_record(self.scene, self.heavy)
         return record
 
@@ -433,7 +433,7 @@ def follow_array(scene: Scene, options: SimulateOptions) -> ArrayPath:
     return ArrayPath(scene, follow_cells(partition, options), partition)
 
 
-def _with_inertia(scene: Scene, start: Pose) -> Settled | str | None:
+def _with_inertia(scene: Scene, start: Pose) -> SettlingResult | str | None:
     """What becomes of a body with inertia; None of scenes that do not say what gravity is."""
     if not has_dynamics(scene):
         return None

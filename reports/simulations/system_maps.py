@@ -64,7 +64,7 @@ RATIOS = (1e-6, 1e-4, 0.01, 1.0)  # its ticks
 LOST = "0.85"
 
 
-class Whereabouts(StrEnum):
+class PathLocation(StrEnum):
     """Where a path is at the last time."""
 
     ARRIVED = "at the checked point"
@@ -99,7 +99,7 @@ class SystemMap(MapResult):
         return np.divide(last, first, out=np.where(last > 0, np.inf, 0.0), where=first > 0)
 
     @cached_property
-    def whereabouts(self) -> list[Whereabouts]:
+    def whereabouts(self) -> list[PathLocation]:
         """Of every path."""
         half = self.portrait.system.check.half_width
         return [_whereabouts(end, ratio, half) for end, ratio in zip(self.ends, self.ratios, strict=True)]
@@ -110,9 +110,9 @@ class SystemMap(MapResult):
         return self.portrait.system.name
 
     @property
-    def counts(self) -> dict[Whereabouts, float]:
+    def counts(self) -> dict[PathLocation, float]:
         """The share of the starts, for each kind that occurs."""
-        counted = {kind: self.whereabouts.count(kind) / len(self.starts) for kind in Whereabouts}
+        counted = {kind: self.whereabouts.count(kind) / len(self.starts) for kind in PathLocation}
         return {kind: share for kind, share in counted.items() if share}
 
     @property
@@ -227,14 +227,14 @@ class SystemMap(MapResult):
         return short_lines(f"{self.title}: {self.summary()} (sampled)", [*self.shares, *contradicted])
 
 
-def _whereabouts(end: Floats, ratio: float, half: float) -> Whereabouts:
+def _whereabouts(end: Floats, ratio: float, half: float) -> PathLocation:
     if not are_finite(end):
-        return Whereabouts.LOST
+        return PathLocation.LOST
     if np.hypot(*end) <= SAME * half:
-        return Whereabouts.ARRIVED
+        return PathLocation.ARRIVED
     if max_norm(end) > (1 + SAME) * half:
-        return Whereabouts.OUTSIDE
-    return Whereabouts.NEARER if ratio < 1 - SAME else Whereabouts.FARTHER
+        return PathLocation.OUTSIDE
+    return PathLocation.NEARER if ratio < 1 - SAME else PathLocation.FARTHER
 
 
 def build_system_map(system: SwitchedSystem, options: SimulateOptions) -> SystemMap:

@@ -12,7 +12,7 @@ from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import TOLERANCES, Answers, answers_of, robust_answer
-from nonsmooth.proofs.answers.contradictions import Printed, sample_of, without_contradictions
+from nonsmooth.proofs.answers.contradictions import PrintedAnswers, sample_of, without_contradictions
 from nonsmooth.proofs.answers.destinations import SampledEnds, ends_from
 from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.findings import Quantity, Record, Theorem4
@@ -155,7 +155,7 @@ class _Decided:
         failures: what happens when any one wheel fails, where that is asked.
     """
 
-    printed: Printed
+    printed: PrintedAnswers
     robust: Answer | None
     sample: tuple[ConstantField, Floats] | None
     failures: list[Record] | None
@@ -216,7 +216,7 @@ def _decided(scene: Scene, *, failures: bool, built: Partition | None = None) ->
     """The verdicts and answers of one scene, not yet compared with paths; the cells ``built`` last may be alike."""
     check = check_theorem4(scene, beside=False, built=built)
     robust = robust_answer(check.scene, check.results)
-    printed = Printed.of(check, Answers(answers_of(check), None, (), robust))
+    printed = PrintedAnswers.of(check, Answers(answers_of(check), None, (), robust))
     further = failure_records(failures_of(scene)) if failures else None
     return _Decided(printed, robust, sample_of(printed), further)
 

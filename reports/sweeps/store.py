@@ -46,7 +46,7 @@ class Store:
         self.path = path
         self._owner = secrets.token_hex(8)
         self._database = self._sound(self._open)
-        self._heart = Heart(path, self._owner)
+        self._heart = Heartbeat(path, self._owner)
         self._sound(lambda: self._heart.beat(self._database))
         self._heart.start()
 
@@ -153,7 +153,7 @@ class Store:
         return SweepError(f"store: {self.path}: required {required}, received {received}")
 
 
-class Heart:
+class Heartbeat:
     """A thread that renews the claims of a sweep, whatever the sweep is busy with."""
 
     def __init__(self, path: Path, owner: str) -> None:

@@ -80,7 +80,7 @@ def _begun_in_time(scenes: Iterable[Sequence[Entry]]) -> Iterator[Sequence[Entry
             return
 
 
-class Finished(NamedTuple):
+class CheckedTask(NamedTuple):
     """A scene that was checked; ``lasting`` where every run would find the same."""
 
     task: Task
@@ -100,7 +100,7 @@ class Workers(Protocol):
         """Hand over scenes."""
         ...
 
-    def finished(self) -> Iterator[Finished]:
+    def finished(self) -> Iterator[CheckedTask]:
         """What is finished; comes back within about ``TICK`` seconds where nothing is."""
         ...
 
@@ -139,14 +139,14 @@ class InProcess:
         """See :class:`Workers`."""
         self._waiting.extend(tasks)
 
-    def finished(self) -> Iterator[Finished]:
+    def finished(self) -> Iterator[CheckedTask]:
         """See :class:`Workers`."""
         while self._waiting:
             job = tuple(self._waiting)
             found = self._work.outcomes([task.entries for task in job])
             self._waiting = deque(job[len(found) :])
             self._size.learn(len(job), len(found))
-            yield from map(Finished, job, found)
+            yield from map(CheckedTask, job, found)
 
     def close(self) -> None:
         """See :class:`Workers`."""
@@ -179,7 +179,7 @@ class ProcessPool:
         while job := tuple(islice(waiting, self._size.scenes)):
             self._running[asyncio.run_coroutine_threadsafe(self._outcomes(job), self._loop)] = job
 
-    def finished(self) -> Iterator[Finished]:
+    def finished(self) -> Iterator[CheckedTask]:
         """See :class:`Workers`.
 
         Raises:
@@ -200,7 +200,7 @@ class ProcessPool:
                 self.submit(job[len(found) :])
                 for task, outcome in zip(job, found, strict=False):
                     self._died.pop(task, None)
-                    yield Finished(task, outcome)
+                    yield CheckedTask(task, outcome)
 
     def close(self) -> None:
         """See :class:`Workers`."""
@@ -226,7 +226,7 @@ class ProcessPool:
             raise found[0]
         return found[0]
 
-    def _mourned(self, task: Task) -> Iterator[Finished]:
+    def _mourned(self, task: Task) -> Iterator[CheckedTask]:
         """A scene whose worker died: tried again, or after a few deaths refused.
 
         Raises:
@@ -238,7 +238,7 @@ class ProcessPool:
         if not self._pool.was_ready:
             raise SweepError(f"workers: {NEVER_READY}")
         del self._died[task]
-        yield Finished(task, refused(DIED, is_system=self._work.base.is_system), lasting=False)
+        yield CheckedTask(task, refused(DIED, is_system=self._work.base.is_system), lasting=False)
 
 
 def local_workers(work: Work, count: int) -> Workers:
@@ -326,7 +326,7 @@ class Cluster:
             for task in tasks:
                 self._running[self._client.submit(check_there, self._work, task.entries, pure=False)] = task
 
-    def finished(self) -> Iterator[Finished]:
+    def finished(self) -> Iterator[CheckedTask]:
         """See :class:`nonsmooth.reports.sweeps.workers.Workers`.
 
         Raises:
@@ -370,17 +370,17 @@ class Cluster:
         except (OSError, CancelledError):
             raise self._lost("a scheduler that stays", "a lost connection") from None
 
-    def _collected(self, future: Any, task: Task) -> Finished:
+    def _collected(self, future: Any, task: Task) -> CheckedTask:
         """The outcome of one scene."""
         if future.status in ("cancelled", "lost"):
             raise self._lost("a scheduler that stays", "a lost connection")
         try:
             program, outcome = future.result()
         except self._dask.KilledWorker:
-            return Finished(task, refused(DIED, is_system=self._is_system), lasting=False)
+            return CheckedTask(task, refused(DIED, is_system=self._is_system), lasting=False)
         if program != program_hash():
             raise self._lost("workers with this version of the program", "another version")
-        return Finished(task, outcome)
+        return CheckedTask(task, outcome)
 
     def _lost(self, required: str, received: str) -> SweepError:
         return SweepError(f"scheduler: {self._address}: required {required}, received {received}")

@@ -27,7 +27,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.console import own_version
-from nonsmooth.reports.output.processes import DiedError, LateError, StoppedError, WorkerPool
+from nonsmooth.reports.output.processes import DiedError, JobTimeoutError, StoppedError, WorkerPool
 from nonsmooth.reports.workbench.requests import RequestError, read_request
 from nonsmooth.reports.workbench.worker import CANCELLED, encoded, serve_page
 
@@ -52,7 +52,7 @@ HEADERS = {
 }
 
 
-class Safety:
+class RequestGuard:
     """Refuse what is not the page's own.
 
     Args:
@@ -205,7 +205,7 @@ def build_app(settings: Settings) -> Starlette:
         finally:
             pool.close()
 
-    middleware = [Middleware(Safety, token=settings.token, port=settings.port)]
+    middleware = [Middleware(RequestGuard, token=settings.token, port=settings.port)]
     handlers = {HTTPException: _unknown}
     return Starlette(routes=routes.table(), middleware=middleware, exception_handlers=handlers, lifespan=life)
 
@@ -242,7 +242,7 @@ class Jobs:
             async with aclosing(self._tried(name, body, cancelled)) as messages:
                 async for message in messages:
                     yield message
-        except LateError:
+        except JobTimeoutError:
             yield _error(
                 f"required a scene whose view takes at most {SECONDS[name]:g} s, received one that takes longer"
             )

@@ -240,7 +240,7 @@ RuleName = Annotated[str, PlainValidator(read_rule)]
 WheelName = Annotated[str, PlainValidator(read_name)]
 
 
-class Own(NamedTuple):
+class WheelOverrides(NamedTuple):
     """What a wheel names itself; the scene's field and friction give the rest."""
 
     heading: Heading | None = None
@@ -257,7 +257,7 @@ class WheelPlace(NamedTuple):
 
     key: str
     position: Vector
-    own: Own
+    overrides: WheelOverrides
     name: str = ""
 
 
@@ -287,7 +287,9 @@ class WheelTable(TomlTable):
     def place(self, numbers: Numbers, key: str) -> WheelPlace:
         """This wheel at its exact position."""
         x, y = (numbers(value, f"{key}.position") for value in self.position)
-        settings = Own(self.heading, self.speed, self.mu_roll, self.mu_side, self.speed_limit, self.axis, self.contact)
+        settings = WheelOverrides(
+            self.heading, self.speed, self.mu_roll, self.mu_side, self.speed_limit, self.axis, self.contact
+        )
         return WheelPlace(key, (x, y), settings, self.name)
 
 
@@ -323,7 +325,7 @@ class Ring(TomlTable):
         radius = numbers.positive(self.radius, "ring.radius")
         for k in range(self.count):
             x, y = numbers.direction(Angle(self.phase.turn + Fraction(2 * k, self.count)))
-            yield WheelPlace(f"ring[{k + 1}]", (radius * x, radius * y), Own())
+            yield WheelPlace(f"ring[{k + 1}]", (radius * x, radius * y), WheelOverrides())
 
 
 class Grid(TomlTable):
@@ -350,4 +352,4 @@ class Grid(TomlTable):
         xs = [pitch * (k - half_columns) for k in range(self.columns)]
         ys = [pitch * (k - half_rows) for k in range(self.rows)]
         positions = ((x, y) for y in ys for x in xs)
-        return (WheelPlace(f"grid[{k}]", position, Own()) for k, position in enumerate(positions, 1))
+        return (WheelPlace(f"grid[{k}]", position, WheelOverrides()) for k, position in enumerate(positions, 1))

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
 from nonsmooth.symbolic.files.system_document import names_in, parameter_texts, with_parameters
-from nonsmooth.symbolic.formulas.cleared_fractions import Cleared, Clearing
+from nonsmooth.symbolic.formulas.cleared_fractions import ClearedFractions, FractionClearing
 from nonsmooth.symbolic.formulas.enclosed_functions import Wave, enclosing_formulas, named_formulas
 from nonsmooth.symbolic.formulas.expression import formula_refused
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
@@ -70,7 +70,7 @@ def read_right_hand_sides(
     stated: Mapping[str, tuple[object, ...]],
     values: Mapping[str, str],
     intervals: Mapping[str, tuple[Any, Any]],
-    clearing: Clearing,
+    clearing: FractionClearing,
     file: str,
     *,
     point: Mapping[str, Fraction | None],
@@ -114,7 +114,9 @@ def read_right_hand_sides(
     return RightHandSides(tuple(sides), written, tuple(waves), denominators, scale, named, names, norms, bounded)
 
 
-def _named(formulas: Sequence[object], clearing: Clearing, scale: str) -> tuple[tuple[object, ...], tuple[Wave, ...]]:
+def _named(
+    formulas: Sequence[object], clearing: FractionClearing, scale: str
+) -> tuple[tuple[object, ...], tuple[Wave, ...]]:
     """Formulas with names in place of norms, or of one over a norm, and of sines and cosines, and what these mean."""
     roots: tuple[Wave, ...] = ()
     if clearing.norms:
@@ -144,11 +146,11 @@ def has_norms(formulas: Sequence[object], states: Collection[str]) -> bool:
 
 def _with_norms(
     lists: Sequence[Side],
-    clearing: Clearing,
+    clearing: FractionClearing,
     point: Mapping[str, Fraction | None],
     intervals: Collection[str],
     file: str,
-) -> tuple[Clearing, list[Side]]:
+) -> tuple[FractionClearing, list[Side]]:
     """All lists with names in place of norms and of entries of unit vectors, and what these mean."""
     if not has_norms([formula for _, side in lists for formula in side], clearing.states):
         return clearing, list(lists)
@@ -164,7 +166,7 @@ def _with_norms(
     return replace(clearing, norms=(*norms, *entries)), sides
 
 
-def _between_norms(lists: Sequence[Side], clearing: Clearing, order: int) -> list[Side]:
+def _between_norms(lists: Sequence[Side], clearing: FractionClearing, order: int) -> list[Side]:
     """All lists with all norms and entries at either bound."""
     if not clearing.norms:
         return list(lists)
@@ -177,7 +179,7 @@ def _between_norms(lists: Sequence[Side], clearing: Clearing, order: int) -> lis
     ]
 
 
-def _cleared(lists: Sequence[Side], clearing: Clearing, file: str) -> tuple[list[Side], tuple[str, ...], str]:
+def _cleared(lists: Sequence[Side], clearing: FractionClearing, file: str) -> tuple[list[Side], tuple[str, ...], str]:
     """All lists without fractions, times one factor."""
     every = [formula for _, formulas in lists for formula in formulas]
     try:
@@ -189,7 +191,7 @@ def _cleared(lists: Sequence[Side], clearing: Clearing, file: str) -> tuple[list
     return [(key, tuple(next(rest) for _ in side)) for key, side in lists], cleared.denominators, cleared.scale
 
 
-def _affine(cleared: Cleared, clearing: Clearing) -> Cleared:
+def _affine(cleared: ClearedFractions, clearing: FractionClearing) -> ClearedFractions:
     """Formulas that are affine in every norm.
 
     Raises:
@@ -203,10 +205,10 @@ def _affine(cleared: Cleared, clearing: Clearing) -> Cleared:
     *denominators, scale = (
         str(affine_in_norms(text, clearing.norms)) for text in (*cleared.denominators, cleared.scale)
     )
-    return Cleared(formulas, tuple(denominators), scale)
+    return ClearedFractions(formulas, tuple(denominators), scale)
 
 
-def _refused_key(lists: Sequence[Side], clearing: Clearing) -> str:
+def _refused_key(lists: Sequence[Side], clearing: FractionClearing) -> str:
     """The key of the first formula that cannot be cleared."""
     for key, formulas in lists:
         for j, formula in enumerate(formulas, 1):

@@ -385,7 +385,7 @@ def build_tolerance(table: ToleranceTable, numbers: Numbers) -> Tolerance:
     if not 0 <= turn < QUARTER:
         received = StatedFact(f"{decimal_text(numbers.field.rational(turn * 180), FLOAT_DIGITS)} deg")
         raise SceneError(numbers.file, "tolerance.heading", "an angle of at least 0, below a quarter turn", received)
-    tolerance = Tolerance(
+    uncertainty = Tolerance(
         position=numbers.at_least_zero(table.position, "tolerance.position"),
         heading=turn,
         speed=_share(table.speed, "speed", numbers),
@@ -393,9 +393,9 @@ def build_tolerance(table: ToleranceTable, numbers: Numbers) -> Tolerance:
         mu_side=_share(table.mu_side, "mu_side", numbers),
         centre_of_mass=numbers.at_least_zero(table.centre_of_mass, "tolerance.centre_of_mass"),
     )
-    if not tolerance.names:
+    if not uncertainty.names:
         raise SceneError(numbers.file, "tolerance", "an entry that is not zero", StatedFact("none"))
-    return tolerance
+    return uncertainty
 
 
 def _share(value: Exact, name: str, numbers: Numbers) -> Number:

@@ -215,7 +215,7 @@ def _turns(document: SceneDocument, layout: Layout) -> Iterator[Fraction]:
 def _remarks(document: SceneDocument, layout: Layout) -> Iterator[str]:
     """What a reader must know about how the files were read."""
     table = layout if isinstance(layout, WheelRows) else WheelRows("", [], [])
-    if table.rows and document.field is None and all(row.own.heading is None for row in table.rows):
+    if table.rows and document.field is None and all(row.overrides.heading is None for row in table.rows):
         others = "a column heading, or [field], says otherwise"
         yield FirstRemark(f"{table.name} states no heading: all wheels drive toward (0, 0); {others}")
     yield from table.remarks

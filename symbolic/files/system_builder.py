@@ -34,7 +34,7 @@ from nonsmooth.symbolic.files.system_document import (
     regions_as_formulas,
     with_parameters,
 )
-from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
+from nonsmooth.symbolic.formulas.cleared_fractions import FractionClearing
 from nonsmooth.symbolic.formulas.enclosed_functions import LISTED, TURNING, has_waves
 from nonsmooth.symbolic.formulas.expression import formula_refused, parse
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
@@ -191,7 +191,7 @@ def _plain_system(
     stated = _stated(_whole(document, {**texts, **ends}, intervals, file), states, file)
     intervals = intervals_in(chain(*stated.values()), intervals)
     point = _float_point(states, check.equilibrium, file)
-    clearing = Clearing(frozenset(states), point, frozenset(sizes))
+    clearing = FractionClearing(frozenset(states), point, frozenset(sizes))
     exact = rational_point(states, check.equilibrium)
     sides = read_right_hand_sides(stated, texts, intervals, clearing, file, point=exact, order=order)
     rhs, *others = (_parsed(side, states, file, key) for key, side in sides.sides)

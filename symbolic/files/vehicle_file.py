@@ -15,7 +15,7 @@ from typing import Annotated, Any
 from pydantic import Field, StrictInt
 
 from nonsmooth.symbolic.files.documents import builtin_vehicles, deep_nesting_refused, read_document
-from nonsmooth.symbolic.files.layouts import Own, Uniform, WheelPlace, WheelTable
+from nonsmooth.symbolic.files.layouts import Uniform, WheelOverrides, WheelPlace, WheelTable
 from nonsmooth.symbolic.files.scene_document import ContactTable, DriveTable, FrictionTable, SceneDocument, UnitsTable
 from nonsmooth.symbolic.files.scene_file import stated_units
 from nonsmooth.symbolic.files.scene_values import (
@@ -154,15 +154,15 @@ def _places(document: VehicleDocument, numbers: Numbers, rows: Iterable[Vector])
     """
     named = (wheel.place(numbers, f"wheel[{k}]") for k, wheel in enumerate(document.wheel, 1))
     speeds = {1: document.vehicle.left, -1: document.vehicle.right}
-    for place in (*(WheelPlace("vehicle", position, Own()) for position in rows), *named):
-        settings = place.own._replace(heading=place.own.heading or FORWARD)
+    for place in (*(WheelPlace("vehicle", position, WheelOverrides()) for position in rows), *named):
+        settings = place.overrides._replace(heading=place.overrides.heading or FORWARD)
         if settings.speed is None:
             side = place.position[1].sign()
             if not side:
                 required = "the speed of a wheel at y = 0, which is of neither side"
                 raise SceneError(numbers.file, f"{place.key}.speed", required, StatedFact("nothing"))
             settings = settings._replace(speed=speeds[side])
-        yield place._replace(own=settings)
+        yield place._replace(overrides=settings)
 
 
 def _side_speed(wheels: Iterable[Wheel]) -> Number | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from nonsmooth.symbolic.files.layouts import INWARD, LINEAR_KINDS, Own, WheelPlace
+from nonsmooth.symbolic.files.layouts import INWARD, LINEAR_KINDS, WheelOverrides, WheelPlace
 from nonsmooth.symbolic.files.load_values import build_loads
 from nonsmooth.symbolic.files.scene_document import ContactTable, SceneDocument
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers
@@ -73,7 +73,7 @@ class WheelBuilder:
                 raise self._error(f"{place.key}.name", f"each name once (it is that of {taken})", place.name)
 
     def _wheel(self, index: int, place: WheelPlace) -> Wheel:
-        settings = place.own
+        settings = place.overrides
         if settings.speed is not None:
             speed: Number | None = self._converted(self._numbers(settings.speed, f"{place.key}.speed"))
         else:
@@ -96,7 +96,7 @@ class WheelBuilder:
         common = self._document.contact.rule
         first: dict[str, str] = {}
         for place in places:
-            contact = place.own.contact
+            contact = place.overrides.contact
             first.setdefault(contact or common, "contact.rule" if contact is None else f"{place.key}.contact")
         if len(first) < 2:
             return next(iter(first), common)
@@ -110,12 +110,14 @@ class WheelBuilder:
 
     def _named(self, place: WheelPlace) -> frozenset[str]:
         """What a wheel states itself; equal sets are one shared object."""
-        names = frozenset(key for key, value in zip(Own._fields, place.own, strict=True) if value is not None)
+        names = frozenset(
+            key for key, value in zip(WheelOverrides._fields, place.overrides, strict=True) if value is not None
+        )
         return self._names.setdefault(names, names)
 
     def _limit(self, place: WheelPlace) -> Number | None:
         """The largest speed of a wheel in lengths per second; equal limits are one shared number."""
-        limit = place.own.speed_limit
+        limit = place.overrides.speed_limit
         if limit not in self._limits:
             value = self._document.drive.speed_limit if limit is None else limit
             key = "drive.speed_limit" if limit is None else f"{place.key}.speed_limit"
@@ -132,14 +134,14 @@ class WheelBuilder:
         excess = x * x + y * y - limit * limit if wheel.given_speed is None else abs(wheel.given_speed) - limit
         if excess.sign() <= 0:
             return
-        of_field = place.own.speed is None and place.own.heading is None
+        of_field = place.overrides.speed is None and place.overrides.heading is None
         key = "field.speed" if of_field else f"{place.key}.speed"
         unit = self._document.units.labels.after_speed
         required = f"at wheel {wheel.index} a speed within its speed_limit {short_text(limit)}{unit}"
         raise self._error(key, required, StatedFact(f"{short_text(wheel.speed)}{unit}"))
 
     def _direction(self, index: int, place: WheelPlace) -> Vector:
-        heading, key = place.own.heading, "field"
+        heading, key = place.overrides.heading, "field"
         if heading is None:
             direction = self._psi(place.position)
         else:
@@ -150,7 +152,7 @@ class WheelBuilder:
 
     def _axis(self, index: int, place: WheelPlace, direction: Vector) -> Vector | None:
         """The friction axis, on the side of the rim's heading; None where it is the rim."""
-        wheel_axis, common = place.own.axis, self._document.friction.axis
+        wheel_axis, common = place.overrides.axis, self._document.friction.axis
         key = "friction.axis" if wheel_axis is None else f"{place.key}.axis"
         named = common if wheel_axis is None else wheel_axis
         if named is None:
@@ -177,7 +179,7 @@ class WheelBuilder:
         return speed if self._unit_speed is self._numbers.field.one else speed * self._unit_speed
 
     def _friction(self, index: int, place: WheelPlace) -> Friction:
-        settings = place.own
+        settings = place.overrides
         named = settings.mu_roll, settings.mu_side, settings.contact
         if named not in self._frictions:
             roll = self._coefficient("mu_roll", named[0], index, place)

@@ -16,7 +16,7 @@ from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Heading, Own, WheelPlace, read_heading, read_name
+from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Heading, WheelOverrides, WheelPlace, read_heading, read_name
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, read_exact
 from nonsmooth.symbolic.mechanics.rule import read_rule
 from nonsmooth.symbolic.mechanics.units import AngleUnit
@@ -40,7 +40,7 @@ class _Row(NamedTuple):
     line: int
     x: Exact
     y: Exact
-    own: Own
+    overrides: WheelOverrides
     name: str
     texts: dict[str, str]  # the cells that are not blank, by their columns
 
@@ -61,7 +61,7 @@ class WheelRows(NamedTuple):
         """See :class:`nonsmooth.symbolic.files.layouts.Layout`."""
         for row in self.rows:
             key = f"{self.name}:{row.line}"
-            yield WheelPlace(key, (numbers(row.x, f"{key}.x"), numbers(row.y, f"{key}.y")), row.own, row.name)
+            yield WheelPlace(key, (numbers(row.x, f"{key}.x"), numbers(row.y, f"{key}.y")), row.overrides, row.name)
 
     def documents(self) -> list[dict[str, Any]]:
         """The wheels one by one, as tables ``[[wheel]]`` of a scene file: numbers and angles as they are."""
@@ -104,7 +104,7 @@ class _Cells:
         x, y = values.pop("x"), values.pop("y")
         name = values.pop(NAMES[0], None) or ""
         texts = {c: t.strip() for c, t in zip(self.columns, cells, strict=True) if c and t.strip()}
-        return _Row(line, x, y, Own(**values), name, texts)
+        return _Row(line, x, y, WheelOverrides(**values), name, texts)
 
     def value(self, line: int, column: str, text: str) -> Any:
         """Value of a cell, None where it is blank."""

@@ -59,7 +59,7 @@ class Fraction:
 
 
 @dataclass(frozen=True)
-class Cleared:
+class ClearedFractions:
     """Formulas times one product of denominators.
 
     Attributes:
@@ -74,7 +74,7 @@ class Cleared:
 
 
 @dataclass(frozen=True)
-class Clearing:
+class FractionClearing:
     """What it takes to clear the fractions of formulas.
 
     Attributes:
@@ -89,7 +89,7 @@ class Clearing:
     sizes: frozenset[str] = frozenset()
     norms: tuple[Bounded, ...] = ()
 
-    def clear(self, formulas: Sequence[object]) -> Cleared:
+    def clear(self, formulas: Sequence[object]) -> ClearedFractions:
         """The formulas times one product of denominators; as they were where there are none.
 
         Raises:
@@ -97,7 +97,7 @@ class Clearing:
                 a fraction in a denominator.
         """
         if not any(map(self._has_fraction, formulas)):
-            return Cleared(tuple(formulas))
+            return ClearedFractions(tuple(formulas))
         parsed = [parse_tree(formula, MAX_TEXT, "a formula") for formula in formulas]
         fractions = [self._fraction(tree, text) for text, tree in parsed]
         every: Counter[str] = Counter()
@@ -106,7 +106,7 @@ class Clearing:
         # A field that is no cone by its factors is none by accident either: cones claim the whole plane.
         extra = Counter() if all(map(self._is_positive_sum, every)) else Counter(list(every))
         cleared = tuple(written(_times(part.top, every - part.bottom + extra)) for part in fractions)
-        return Cleared(cleared, tuple(every), written(_times(ONE, every + extra)))
+        return ClearedFractions(cleared, tuple(every), written(_times(ONE, every + extra)))
 
     def restored(self, text: str) -> str:
         """A text about formulas with roots in place of the names of norms."""

@@ -39,20 +39,20 @@ from tests.thorough import few, keep, thorough
 
 # ---- Rule ``nearest``: its exact cells against the rule's own words, point by point --------------
 
-Build: TypeAlias = "Callable[[Arrays], Scene]"
+WheelTolerance: TypeAlias = "Callable[[Arrays], Scene]"
 
 TIE = (1, 1)
 
 
-def random(seed: int) -> Build:
+def random(seed: int) -> WheelTolerance:
     return lambda arrays: arrays.random(seed, 2 + seed % 7)
 
 
-def cocircular(seed: int) -> Build:
+def cocircular(seed: int) -> WheelTolerance:
     return lambda arrays: arrays.cocircular(seed)
 
 
-SCENES: dict[str, Build] = {
+SCENES: dict[str, WheelTolerance] = {
     "four-wheel": lambda arrays: arrays.four_wheel(radius=3),
     "ring-3": lambda arrays: arrays.ring(3, SIDE),
     "ring-5": lambda arrays: arrays.ring(5, ROLL, radius=2),
@@ -69,7 +69,7 @@ SCENES: dict[str, Build] = {
 FRICTIONLESS = ((1, 0), (0, 1), (1, 0), (1, Fraction(1, 2)), (1, 1), (Fraction(1, 2), 1))
 
 
-def frictionless(seed: int) -> Build:
+def frictionless(seed: int) -> WheelTolerance:
     """Wheels some of whose rows have no friction; in some arrays all rims are alike."""
 
     def build(arrays: Arrays) -> Scene:

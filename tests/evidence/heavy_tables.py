@@ -22,7 +22,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.settling import Settled, Settling
+from nonsmooth.analysis.bodies.settling import Settling, SettlingResult
 from nonsmooth.proofs.answers.answer import Inertia
 from nonsmooth.proofs.answers.inertia import NearRest, Simulated, near_rest, simulated
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -122,7 +122,7 @@ def _slowest(near: NearRest) -> float:
 
 
 def _wrong_of(
-    table: HeavyTable, body: Settled, accuracy: float, times: Floats, places: Floats, *, is_over: bool
+    table: HeavyTable, body: SettlingResult, accuracy: float, times: Floats, places: Floats, *, is_over: bool
 ) -> list[str]:
     """What a body does that is not what is said; where it is near at once, swings may still fade when it is left."""
     if body.kind is Settling.OPEN:

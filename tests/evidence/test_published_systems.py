@@ -10,7 +10,7 @@ import pytest
 
 from nonsmooth.proofs.systems.basin import EFFORTS
 from nonsmooth.proofs.systems.basin_mesh import BasinEffort
-from nonsmooth.proofs.systems.basin_rings import Pace
+from nonsmooth.proofs.systems.basin_rings import RingGrowth
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.evidence import published_systems as study
 from tests.thorough import thorough
@@ -48,7 +48,7 @@ def test_a_region_with_more_effort_is_large() -> None:
 
 @pytest.mark.usefixtures("few_starts")
 def test_a_region_with_more_effort_is_in_the_second_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(EFFORTS, "best", BasinEffort(Pace(0.2, 0.1, 0.08), 11))
+    monkeypatch.setitem(EFFORTS, "best", BasinEffort(RingGrowth(0.2, 0.1, 0.08), 11))
     own = examined(100, 0.6)
     page = tmp_path / "page.md"
     page.write_text("<!-- systems -->\nkept\n<!-- end -->\n<!-- best -->\n<!-- end -->\n", encoding="utf-8")

@@ -998,7 +998,7 @@ class Jet:
 
 
 @dataclass(frozen=True)
-class Build:
+class WheelTolerance:
     """A wheel with how far it may be from the certificate's.
 
     Attributes:
@@ -1026,7 +1026,7 @@ class PairMotion:
 
     COUNT = 8  # speed, angle, x and y of either wheel
 
-    def __init__(self, first: Build, second: Build, kind: str) -> None:
+    def __init__(self, first: WheelTolerance, second: WheelTolerance, kind: str) -> None:
         self.wheels, self.kind = (first, second), kind
 
     def velocity(self) -> tuple[Interval, Interval]:
@@ -1096,7 +1096,9 @@ class Robust:
         require(max(-low, high) < GRID, "robust: numbers of moderate size")
         return rounded(low, high)
 
-    def _build(self, array: Array, number: int, wheel: Any, turn: Fraction, shares: Sequence[Fraction]) -> Build:
+    def _build(
+        self, array: Array, number: int, wheel: Any, turn: Fraction, shares: Sequence[Fraction]
+    ) -> WheelTolerance:
         speed, roll, side = shares
         row = array.rows[f"R{number}"]
         p, q, _ = array.places[str(number)]
@@ -1106,7 +1108,7 @@ class Robust:
         require(along.low > 0 and across.low > 0, "robust: friction in both directions")
         kinds = "R" * (along.high * (1 + roll) >= across.low * (1 - side))
         kinds += "S" * (across.high * (1 + side) >= along.low * (1 - roll))
-        return Build(place, rim, u, (u.size * speed, turn, self.step, self.step), kinds)
+        return WheelTolerance(place, rim, u, (u.size * speed, turn, self.step, self.step), kinds)
 
     def show(self) -> None:
         """Every quadrant of the square, every pair of wheels that may carry there outside the disc."""

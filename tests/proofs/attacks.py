@@ -39,18 +39,18 @@ TIED = 30  # tied arrays
 def small_ones(theorem: str) -> list[Record]:
     """Small good certificates whose first theorem is this one."""
     good = good_certificates().values()
-    return [own for own in good if own["evidence"][0]["theorem"] == theorem and len(text_of(own)) < SMALL]
+    return [record for record in good if record["evidence"][0]["theorem"] == theorem and len(text_of(record)) < SMALL]
 
 
 def of_few_states(theorem: str) -> list[Record]:
     """Those for which a search takes no long time."""
-    return [own for own in small_ones(theorem) if len(own["statement"]["subject"]["states"]) < 3]
+    return [record for record in small_ones(theorem) if len(record["statement"]["subject"]["states"]) < 3]
 
 
 def assert_floats_agree(record: Record, source: random.Random) -> None:
     """Polygons and slopes of the literal formulas contradict no claim."""
-    seen = contradiction(record["statement"], half_width(record["evidence"][0]["hypotheses"]))
-    assert not seen, seen
+    reason = contradiction(record["statement"], half_width(record["evidence"][0]["hypotheses"]))
+    assert not reason, reason
 
 
 def assert_array_agrees(record: Record, source: random.Random) -> None:
@@ -80,8 +80,8 @@ def assert_solution_leaves(record: Record, source: random.Random) -> None:
 
 def escaping(without: Collection[str] = ()) -> list[Record]:
     """Solutions that leave, of small good certificates and of the tests' own one field, but for some of those."""
-    own = [name for name in escapes.LEAVING if not name.startswith(("one", "neither", "three"))]
-    names = [name for name in own if name not in without]
+    of_one_field = [name for name in escapes.LEAVING if not name.startswith(("one", "neither", "three"))]
+    names = [name for name in of_one_field if name not in without]
     return [*small_ones("escape"), *map(escapes.certificate, names)]
 
 
@@ -98,23 +98,23 @@ def of_arrays() -> list[Record]:
 
 def with_laws() -> list[Record]:
     """Arrays whose feedback clause has evidence."""
-    return [own for own in of_arrays() if "feedback" in own["evidence"][0]["proofs"]]
+    return [record for record in of_arrays() if "feedback" in record["evidence"][0]["proofs"]]
 
 
 def of_bounds() -> list[Record]:
     """Nothing but what is said of arrays within tolerances."""
-    return [robust.bounds_only(own) for own in of_arrays() if "tolerances" in said(own)]
+    return [robust.bounds_only(record) for record in of_arrays() if "tolerances" in said(record)]
 
 
 def of_basins() -> list[Record]:
     """Nothing but the triangles of arrays."""
-    found = []
-    for own in of_arrays():
-        entries = [entry for entry in own["evidence"] if entry["theorem"] == "basin"]
-        claims = [claim for claim in own["statement"]["claims"] if {"attracts", "ends"} & set(claim)]
+    records = []
+    for record in of_arrays():
+        entries = [entry for entry in record["evidence"] if entry["theorem"] == "basin"]
+        claims = [claim for claim in record["statement"]["claims"] if {"attracts", "ends"} & set(claim)]
         if entries:
-            found.append({**own, "statement": {**own["statement"], "claims": claims}, "evidence": entries})
-    return found
+            records.append({**record, "statement": {**record["statement"], "claims": claims}, "evidence": entries})
+    return records
 
 
 def of_ties(count: int = TIED) -> list[Record]:

@@ -69,7 +69,7 @@ def _surface(wheel: Wheel) -> Vector:
 
 def _slips(scene: Scene, region: LoadRegion, omega: Number) -> list[_Slip] | None:
     """The loaded wheels that have friction; None where one of them sticks, or is between arc and corner."""
-    found: list[_Slip] = []
+    slips: list[_Slip] = []
     rule = smooth_rule_of(scene)
     for wheel, load in zip(scene.wheels, region.forces, strict=True):
         limits = rule.friction_set(wheel.friction)
@@ -78,8 +78,8 @@ def _slips(scene: Scene, region: LoadRegion, omega: Number) -> list[_Slip] | Non
         slip = _slip(wheel, load, limits, omega)
         if slip is None:
             return None
-        found.append(slip)
-    return found
+        slips.append(slip)
+    return slips
 
 
 def _slip(wheel: Wheel, load: Affine, limits: FrictionSet, omega: Number) -> _Slip | None:
@@ -90,16 +90,16 @@ def _slip(wheel: Wheel, load: Affine, limits: FrictionSet, omega: Number) -> _Sl
     square = along * along + across * across
     if not square:
         return None
-    own = scaled(_wrench(d, wheel), limits.along), scaled(_wrench(turned(d), wheel), limits.across)
+    rows = scaled(_wrench(d, wheel), limits.along), scaled(_wrench(turned(d), wheel), limits.across)
     passed = (across * across - limits.cut * limits.cut * square).sign() if limits.is_cut else -1
     if passed == 0 or (passed > 0 and not along):
         return None
     zero, one = omega.field.zero, omega.field.one
     if passed > 0:
         x, y = limits.corner * along.sign(), limits.cut * across.sign()
-        return _Slip(load, one, total(zero, (scaled(own[0], x), scaled(own[1], y))), *own, bends=False)
-    pull = total(zero, (scaled(own[0], along), scaled(own[1], across)))
-    return _Slip(load, square.sqrt(), pull, *own)
+        return _Slip(load, one, total(zero, (scaled(rows[0], x), scaled(rows[1], y))), *rows, bends=False)
+    pull = total(zero, (scaled(rows[0], along), scaled(rows[1], across)))
+    return _Slip(load, square.sqrt(), pull, *rows)
 
 
 def verifies(point: EllipsePoint) -> bool:
@@ -172,28 +172,28 @@ def _is_definite(rows: tuple[Triple, ...]) -> bool:
 
 def is_held(scene: Scene, region: LoadRegion, omega: Number, held: Iterable[HeldForce]) -> bool:
     """Whether forces of wheels that a spin does not slip, or not along, answer those of the others, strictly inside."""
-    known = {force.wheel: force for force in held}
+    by_wheel = {force.wheel: force for force in held}
     forces: list[Triple] = []
     spanned: list[Triple] = []
     rule = smooth_rule_of(scene)
     for wheel, form in zip(scene.wheels, region.forces, strict=True):
         load, limits, d, (x, y), (a, b) = form[0], rule.friction_set(wheel.friction), _axis(wheel), *_at(wheel)
-        if wheel.index not in known:
+        if wheel.index not in by_wheel:
             slip = _slip(wheel, form, limits, omega) if load and (limits.along or limits.across) else None
             if slip is not None:
                 forces.append(scaled(slip.pull, -load / slip.size))
             elif load and (limits.along or limits.across):
                 return False
             continue
-        own, q = known[wheel.index], (-omega * y - a, omega * x - b)
+        force, q = by_wheel[wheel.index], (-omega * y - a, omega * x - b)
         along, across = limits.along * dot(d, q), limits.across * cross(d, q)
-        inside = own.along * own.along + own.across * own.across < 1
-        on_side = own.rolls and across and own.across == limits.cut * across.sign()
-        if along or not inside or not (on_side or (not across and -limits.cut < own.across < limits.cut)):
+        inside = force.along * force.along + force.across * force.across < 1
+        on_side = force.rolls and across and force.across == limits.cut * across.sign()
+        if along or not inside or not (on_side or (not across and -limits.cut < force.across < limits.cut)):
             return False
         rows = scaled(_wrench(d, wheel), load * limits.along), scaled(_wrench(turned(d), wheel), load * limits.across)
-        forces += [scaled(rows[0], -own.along), scaled(rows[1], -own.across)]
-        spanned += [row for row in rows[: 1 if own.rolls else 2] if any(row)]
+        forces += [scaled(rows[0], -force.along), scaled(rows[1], -force.across)]
+        spanned += [row for row in rows[: 1 if force.rolls else 2] if any(row)]
     return not any(total(scene.field.zero, forces)) and len(independent(spanned)) == 3
 
 

@@ -21,7 +21,7 @@ def with_deciding(result: StabilityResult, **changes: Any) -> StabilityResult:
     """The result with another reason, verdict or proof of the finding that decides."""
     deciding = result.deciding
     changed = replace(deciding, **changes)
-    return replace(result, findings=tuple(changed if own is deciding else own for own in result.findings))
+    return replace(result, findings=tuple(changed if finding is deciding else finding for finding in result.findings))
 
 
 def with_results(check: AnyCheck, **results: ClauseResult) -> AnyCheck:

@@ -121,15 +121,15 @@ class Oracle:
     def equilibria_nearby(self) -> list[tuple[Fraction, Fraction]]:
         """Points of the guards' branches, of the axes and of the arcs at which 0 is in F, at four small distances."""
         branches = [(f, e) for e in (1, 2, 3) for f in (Fraction(k, 2) for k in (-6, -4, -3, -2, -1, 0, 1, 2, 3, 4, 6))]
-        found = []
+        equilibria = []
         for power in (8, 12, 20, 30):
             for large in (Fraction(1, 2**power), -Fraction(1, 2**power)):
                 for factor, exponent in branches:
                     small = factor * large**exponent
-                    found += [p for p in ((large, small), (small, large)) if self.rests_at(*p)]
+                    equilibria += [p for p in ((large, small), (small, large)) if self.rests_at(*p)]
                 cusp = [(large**2, large**3), (large**3, large**2), (large**2, large**5), (Fraction(0), large)]
-                found += [p for p in cusp if self.rests_at(*p)]
-        return found
+                equilibria += [p for p in cusp if self.rests_at(*p)]
+        return equilibria
 
     # ---- in floats -------------------------------------------------------------------------
 
@@ -198,20 +198,20 @@ NEAR = Fraction(1, 2**12)  # distance at which rays are looked at: beyond it gua
 
 def contradictions(result: StabilityResult, oracle: Oracle) -> list[str]:
     """What the oracle says against a verdict; nothing where it agrees or does not know."""
-    found = []
+    objections = []
     if result.equilibrium is not Equilibrium.UNDECIDED:
         claimed = result.equilibrium is Equilibrium.HOLDS
-        found += ["0 in F at the origin"] if claimed is not oracle.rests_at_origin() else []
-    found += [f"{ray}" for ray in PlanePoint(result.scene).rays if _is_refuted(ray, oracle)]
+        objections += ["0 in F at the origin"] if claimed is not oracle.rests_at_origin() else []
+    objections += [f"{ray}" for ray in PlanePoint(result.scene).rays if _is_refuted(ray, oracle)]
     stable = result.verdict in (Translation.STABLE, Translation.ASYMPTOTICALLY_STABLE)
     if stable and spread(oracle.velocity, STARTS[1], STEPS, FINENESS, FAR)[0] > LEFT_BEHIND:
-        found.append("a path leaves")
+        objections.append("a path leaves")
     if result.verdict is Translation.ASYMPTOTICALLY_STABLE and oracle.equilibria_nearby():
-        found.append(f"equilibria nearby: {oracle.equilibria_nearby()[:2]}")
+        objections.append(f"equilibria nearby: {oracle.equilibria_nearby()[:2]}")
     if result.method in (Method.GROWTH, Method.EQUILIBRIUM):
         growth = max(spread(oracle.velocity, start, STEPS, FINENESS, FAR)[0] for start in STARTS)
-        found += ["no path leaves"] if growth < 1.5 else []
-    return found
+        objections += ["no path leaves"] if growth < 1.5 else []
+    return objections
 
 
 def _is_refuted(ray: RayOfRest, oracle: Oracle) -> bool:
@@ -225,5 +225,5 @@ def _is_refuted(ray: RayOfRest, oracle: Oracle) -> bool:
 
 
 def _rational(point: Point) -> tuple[Fraction, Fraction] | None:
-    known = [Fraction(str(q)) for v in point if (q := v.as_rational()) is not None]
-    return (known[0], known[1]) if len(known) == len(point) else None
+    coordinates = [Fraction(str(q)) for v in point if (q := v.as_rational()) is not None]
+    return (coordinates[0], coordinates[1]) if len(coordinates) == len(point) else None

@@ -48,15 +48,15 @@ class Switched:
     @property
     def rhs(self) -> tuple[str, str]:
         """Both formulas."""
-        found = []
+        formulas = []
         for row in (0, 1):
             parts = []
             for chosen, field in self.terms:
                 (a, b), c = field.matrix[row], field.constant[row]
                 signs = "".join(f"*sign({self.lines[k][0]}*x + {self.lines[k][1]}*y)" for k in chosen)
                 parts.append(f"(({a})*x + ({b})*y + ({c})){signs}")
-            found.append(" + ".join(parts))
-        return found[0], found[1]
+            formulas.append(" + ".join(parts))
+        return formulas[0], formulas[1]
 
     def field(self, signs: tuple[int, ...]) -> tuple[Array, Array]:
         """A and b for a pattern of signs."""
@@ -115,13 +115,13 @@ class Judge:
     def inside(self, k: int, cone: tuple[float, float]) -> Iterator[int | None]:
         matrix, constant = self.fields[k]
         if self.frozen:
-            found = [(constant, 1.0)]
+            eigenpairs = [(constant, 1.0)]
         else:
             values, vectors = np.linalg.eig(matrix)
-            found = [(s * vectors[:, j].real, values[j].real) for j in (0, 1) for s in (1, -1)]
+            eigenpairs = [(s * vectors[:, j].real, values[j].real) for j in (0, 1) for s in (1, -1)]
             if np.abs(values.imag).max() > CLEAR:
                 return
-        for vector, value in found:
+        for vector, value in eigenpairs:
             size = float(np.hypot(*vector))
             if size < CLEAR:
                 yield None
@@ -196,12 +196,12 @@ def spread(system: Switched, start: float = 1e-4, steps: int = STEPS) -> tuple[f
     table = {signs: system.field(signs) for signs in product((1, -1), repeat=len(system.lines))}
 
     def velocity(points: Array) -> Array:
-        found = np.empty_like(points)
+        velocities = np.empty_like(points)
         patterns = np.column_stack([np.where(points @ np.array(line) >= 0, 1, -1) for line in system.lines])
         for signs, (matrix, constant) in table.items():
             here = np.all(patterns == signs, axis=1)
-            found[here] = points[here] @ matrix.T + constant
-        return found
+            velocities[here] = points[here] @ matrix.T + constant
+        return velocities
 
     return floats.spread(velocity, start, steps, FINENESS, FAR * start)
 

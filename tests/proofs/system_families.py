@@ -122,8 +122,8 @@ def converters_and_genes() -> Iterator[Known]:
     loop = ("-x + 1 - sign(y - 1)", "-y + 1 + sign(x - 1)")
     yield Known("toggle switch", toggle, LEAVES, genes, at)
     yield Known("negative loop of two genes", loop, ATTRACTS, genes, at)
-    own = ("-x + 1 - sign(x - 1)", "-y + 1 - sign(y - 1)")
-    yield Known("two genes that repress themselves", own, ATTRACTS, genes, at)
+    autoregulation = ("-x + 1 - sign(x - 1)", "-y + 1 - sign(y - 1)")
+    yield Known("two genes that repress themselves", autoregulation, ATTRACTS, genes, at)
 
 
 def bang_bang() -> Iterator[Known]:

@@ -30,8 +30,8 @@ def approach_of(states: list[str], rhs: list[str], **more: Any) -> dict[str, Any
         certificate = result.certificate()
         text = certificate_text(certificate)
         assert not refusal(certificate, len(text))
-        own = {"function": found["V"], "within": found["within"], "below": found["level"]}
-        said = "everywhere" if found["everywhere"] else own if found["level"] else "near"
+        region = {"function": found["V"], "within": found["within"], "below": found["level"]}
+        said = "everywhere" if found["everywhere"] else region if found["level"] else "near"
         assert {"approaches": said} in certificate["statement"]["claims"]
     return found
 
@@ -149,9 +149,9 @@ def test_the_energy_of_masses_that_springs_join(name: str) -> None:
 def test_the_energy_is_about_the_checked_point() -> None:
     """In the displacement from it."""
     rhs = ["v", "-(q - 1) + p - 1", "w", "-2*(p - 1) + q - 1"]
-    found = coupled_energy(ns.System(["q", "v", "p", "w"], rhs, at=["1", "0", "1", "0"]).system)
-    assert found is not None
-    assert found.text == "1/2*q**2 - q*p + 1/2*v**2 + p**2 + 1/2*w**2"
+    energy = coupled_energy(ns.System(["q", "v", "p", "w"], rhs, at=["1", "0", "1", "0"]).system)
+    assert energy is not None
+    assert energy.text == "1/2*q**2 - q*p + 1/2*v**2 + p**2 + 1/2*w**2"
 
 
 @pytest.mark.parametrize(

@@ -16,12 +16,12 @@ from nonsmooth.proofs.checker.contact import Cells
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.systems.basin_mesh import BasinEffort
-from nonsmooth.proofs.systems.basin_rings import Pace
+from nonsmooth.proofs.systems.basin_rings import RingGrowth
 from tests.certificates.corpus import good_arrays, text_of
 from tests.evidence.array_basins import basin_of, drawn, strays
 from tests.oracles.measured_tables import MeasuredTable
 
-COARSE = BasinEffort(Pace(0.2, 0.05, 0.04), 15)
+COARSE = BasinEffort(RingGrowth(0.2, 0.05, 0.04), 15)
 
 
 @pytest.fixture
@@ -46,8 +46,8 @@ def test_bodies_end_where_it_is_certified(seed: int, rule: str) -> None:
 
 def outward(hypotheses: Any) -> None:
     """The first polygon and the last change places in W."""
-    own = hypotheses["mesh"]["corners"]
-    own[:] = [f"{x} {y} {2 - int(value)}" for x, y, value in (text.split(" ") for text in own)]
+    corners = hypotheses["mesh"]["corners"]
+    corners[:] = [f"{x} {y} {2 - int(value)}" for x, y, value in (text.split(" ") for text in corners)]
 
 
 def folded(hypotheses: Any) -> None:
@@ -57,8 +57,8 @@ def folded(hypotheses: Any) -> None:
 
 def beyond(hypotheses: Any) -> None:
     """The mesh reaches the border of its square."""
-    own = hypotheses["mesh"]["corners"]
-    own[8:] = [text.replace("15", "16") for text in own[8:]]
+    corners = hypotheses["mesh"]["corners"]
+    corners[8:] = [text.replace("15", "16") for text in corners[8:]]
 
 
 def less(hypotheses: Any) -> None:
@@ -95,8 +95,8 @@ def test_forged_meshes_are_rejected(forge: Callable[[Any], None]) -> None:
 def test_enclosed_cells_are_a_superset() -> None:
     """Cells that float geometry says are met are among those of the checker, and float velocities in its boxes."""
     good = good_arrays()["array-four-wheel-basin"]
-    array, own = read_array(good["statement"]["subject"]), good["evidence"][1]["hypotheses"]
-    cells = Cells(array, own["points"], own["cells"])
+    array, hypotheses = read_array(good["statement"]["subject"]), good["evidence"][1]["hypotheses"]
+    cells = Cells(array, hypotheses["points"], hypotheses["cells"])
     plane, random = ArrayPlane(cells, "1/1024"), np.random.default_rng(1)
     points = [[entry.enclosure(40)[0] / 2**40 for entry in point] for point in cells.points]
     outlines = [np.array([[points[k][0], points[k][1]] for k in cell.polygon]) * 1024 for cell in cells.listed]
@@ -106,8 +106,8 @@ def test_enclosed_cells_are_a_superset() -> None:
             b, c = c, b
         places = [(int(x), int(y)) for x, y in (a, b, c)]
         inside = np.einsum("ij,jk->ik", random.dirichlet(np.ones(3), 30), np.array([a, b, c]))
-        met = {k for k, outline in enumerate(outlines) if any(holds(outline, x) for x in inside)}
-        assert met <= plane.crossing(places) <= plane.touching(places)
+        crossed = {k for k, outline in enumerate(outlines) if any(holds(outline, x) for x in inside)}
+        assert crossed <= plane.crossing(places) <= plane.touching(places)
     for k, cell in enumerate(cells.listed):
         vx, vy, omega = (entry.enclosure(40)[0] / 2**40 for entry in cell.motions[0].twist[:3])
         x, y = 300, -200

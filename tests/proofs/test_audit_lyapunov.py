@@ -346,9 +346,9 @@ def test_the_v_of_the_guide_of_sostools_is_proved() -> None:
 def test_a_larger_region_is_certified(published: Published, degree: int, least: float) -> None:
     """Paths from all over it come home."""
     system = system_of(published)
-    found = find_larger_region(system, degree)
-    assert found is not None
-    level, text = found.region.level, found.formula.text
+    region = find_larger_region(system, degree)
+    assert region is not None
+    level, text = region.region.level, region.formula.text
     assert area(text, float(level), published.radius) > least
     rng = np.random.default_rng(0)
     starts = [p for p in rng.uniform(-published.radius, published.radius, (60, 2)) if below(text, p, float(level))]
@@ -369,9 +369,9 @@ def test_no_region_where_nothing_comes_back() -> None:
 def test_a_region_is_found_in_a_line_of_python() -> None:
     """The disc of a contraction, whose level sets fill the square."""
     system = ns.System(["x", "y"], ["-x", "-y"])
-    found = system.larger_region(2)
-    assert found is not None
-    assert repr(found).startswith(f"{found.region} on the square of half-width 1/2 about the point with V = ")
+    region = system.larger_region(2)
+    assert region is not None
+    assert repr(region).startswith(f"{region.region} on the square of half-width 1/2 about the point with V = ")
 
 
 # ---- In one state: the verdicts, and V and V' at many places -------------------------------------

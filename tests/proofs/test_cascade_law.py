@@ -59,7 +59,7 @@ def closed_loop(scene: Scene, law: CascadeLaw, eps: float = 1.0) -> Rate:
             omega = -theta
             v = np.linalg.norm(c) * signs[nearest + 1] * d - (n @ (J @ p)) * omega * n
         wanted = np.array([*v, omega])
-        return rows.rate(c, lambda own: own.row @ wanted)
+        return rows.rate(c, lambda row: row.row @ wanted)
 
     return rate
 
@@ -180,9 +180,9 @@ def test_where_a_quadratic_v_serves_so_do_signs(arrays: Arrays, seed: int) -> No
 @thorough  # about all random cases, which `make bench` runs
 def test_most_arrays_are_decided(arrays: Arrays) -> None:
     """What is left open has an exact coincidence: a rim line through another wheel, or parallel rims."""
-    left = [seed for seed in SEEDS if _is_open(decided(arrays, seed)[1])]
-    print(f"open: {left} of {len(SEEDS)}")
-    assert len(left) <= 0.02 * len(SEEDS)
+    open_seeds = [seed for seed in SEEDS if _is_open(decided(arrays, seed)[1])]
+    print(f"open: {open_seeds} of {len(SEEDS)}")
+    assert len(open_seeds) <= 0.02 * len(SEEDS)
 
 
 def _is_open(feedback: FeedbackResult) -> bool:

@@ -143,8 +143,8 @@ def test_an_ellipse_crosses_the_line_of_a_side_beyond_that_side(tmp_path: Path) 
 
 def test_an_ellipse_stays_left_of_a_side() -> None:
     field, random = Field([]), Random(5)
-    met: set[tuple[Fraction | None, int]] = set()
-    while len(met) < 9:  # the nearest point within the side or at either end, and each answer
+    cases: set[tuple[Fraction | None, int]] = set()
+    while len(cases) < 9:  # the nearest point within the side or at either end, and each answer
         p, s, q = random.randint(1, 4), random.randint(1, 4), random.randint(-1, 1)
         a, b = ((random.randint(-4, 4), random.randint(-4, 4), random.randint(1, 2)) for _ in range(2))
         turn, level = a[0] * b[1] - a[1] * b[0], Fraction(random.randint(1, 12), 2)
@@ -160,9 +160,9 @@ def test_an_ellipse_stays_left_of_a_side() -> None:
         least = p * x * x + 2 * q * x * y + s * y * y
         form = Form(*(field.rational(n) for n in (p, q, s)))
         corners = [tuple(field.rational(n) for n in end) for end in (a, b)]
-        (found,) = form.margins(field.rational(level), [(corners[0], corners[1])], whole=False)
-        assert found == (least > level) - (least < level)
-        met.add((share if share in (0, 1) else None, found))
+        (side,) = form.margins(field.rational(level), [(corners[0], corners[1])], whole=False)
+        assert side == (least > level) - (least < level)
+        cases.add((share if share in (0, 1) else None, side))
 
 
 def test_one_wheel_point_or_cell_to_a_line(arrays: Arrays) -> None:
@@ -313,13 +313,13 @@ def test_a_larger_disc_than_v_allows_is_rejected(growing: CellCheck) -> None:
 @thorough  # the small one: test_each_built_in_scene_has_a_valid_certificate
 def test_verdicts_of_random_arrays_are_certified(arrays: Arrays) -> None:
     """All kinds of verdicts occur."""
-    found = set[Translation]()
+    verdicts = set[Translation]()
     for seed in range(8):
         for scene in (arrays.random(seed, 3 + seed % 4), arrays.cocircular(seed)):
             result = check_cells(scene)
             assert build_certificate(result)
-            found.add(result.translation.verdict)
-    assert {Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE} <= found
+            verdicts.add(result.translation.verdict)
+    assert {Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE} <= verdicts
 
 
 def test_extreme_scales_are_certified(arrays: Arrays) -> None:
@@ -440,12 +440,12 @@ def of_seed(arrays: Arrays, seed: int) -> tuple[Any, Record]:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_bodies_come_home_as_is_stated(arrays: Arrays, seed: int) -> None:
     result, certificate = of_seed(arrays, seed)
-    own = said(certificate)
-    assert {"drift", "swing", "arrival", "feedback rate"} <= set(own)
+    claims = said(certificate)
+    assert {"drift", "swing", "arrival", "feedback rate"} <= set(claims)
     printed = result.translation
-    assert Fraction(own["arrival"]["rate"]) >= 1 / Fraction(printed.arrival_per_distance)
-    assert float(Fraction(own["swing"]["squared_swing"])) <= float(printed.swing_radius) ** 2
-    assert float(Fraction(own["swing"]["squared_radius"])) >= float(printed.home_radius) ** 2 * (1 - 2e-6)
+    assert Fraction(claims["arrival"]["rate"]) >= 1 / Fraction(printed.arrival_per_distance)
+    assert float(Fraction(claims["swing"]["squared_swing"])) <= float(printed.swing_radius) ** 2
+    assert float(Fraction(claims["swing"]["squared_radius"])) >= float(printed.home_radius) ** 2 * (1 - 2e-6)
     partition = build_nearest_partition(arrays.cocircular(seed).recentred())
     assert_bounds_hold(certificate["statement"]["claims"], partition, number)
 
@@ -457,13 +457,16 @@ def put(certificate: Record, path: tuple[Any, ...], data: Any) -> Record:
     for key in path[:-1]:
         holder = holder[key]
     holder[path[-1]] = data
-    own, kept = evidence(forged), [c for c in forged["statement"]["claims"] if not set(c) & {"swing", "arrival"}]
-    ellipse = own["ellipse"]
+    hypotheses, claims = (
+        evidence(forged),
+        [c for c in forged["statement"]["claims"] if not set(c) & {"swing", "arrival"}],
+    )
+    ellipse = hypotheses["ellipse"]
     start = {"squared_radius": ellipse["squared_radius"]}
-    kept.append({"swing": {**start, "squared_swing": ellipse["squared_swing"]}})
-    kept.append({"arrival": {**start, "rate": ellipse["arrival"]["rate"]}})
-    law = {key: own["law"].get(key) for key in ("form", "weight", "kappa", "squared_reach")}
-    forged["statement"]["claims"] = [c for c in kept if "feedback rate" not in c] + [{"feedback rate": law}]
+    claims.append({"swing": {**start, "squared_swing": ellipse["squared_swing"]}})
+    claims.append({"arrival": {**start, "rate": ellipse["arrival"]["rate"]}})
+    law = {key: hypotheses["law"].get(key) for key in ("form", "weight", "kappa", "squared_reach")}
+    forged["statement"]["claims"] = [c for c in claims if "feedback rate" not in c] + [{"feedback rate": law}]
     return forged
 
 
@@ -518,9 +521,9 @@ def test_a_distance_of_the_law_is_load_bearing(arrays: Arrays) -> None:
 def test_a_body_that_is_not_turned_anywhere() -> None:
     """Rule box on an array of outward rims: no cell of the square turns the body."""
     certificate = build_certificate(checked("outward", "box"))
-    own = said(certificate)
-    assert own["turning"] == {"squared_radius": evidence(certificate)["disc"], "per_distance": "0"}
-    assert own["drift"] == ["0", "0", "1"]
+    claims = said(certificate)
+    assert claims["turning"] == {"squared_radius": evidence(certificate)["disc"], "per_distance": "0"}
+    assert claims["drift"] == ["0", "0", "1"]
     for factor in ("-1", "1"):
         forged = copy.deepcopy(certificate)
         evidence(forged)["turn"] = factor

@@ -710,13 +710,13 @@ def test_short_paths_bound_the_rotation(four_wheel: Record, fan: str | None, wor
     weights = proofs(four_wheel)["lowest"]["weights"]
     end = {"weights": weights, "multipliers": ["0", "0", "0", "1"]}
     cells = Cells(array, evidence(four_wheel)["points"], evidence(four_wheel)["cells"])
-    own = Clauses(cells, Proofs({"lowest": end, "highest": end}))
-    own.here = [replace(motion, twist=(*motion.twist[:2], cells.zero, cells.one)) for motion in own.here]
-    own.fan = fan
-    assert own.show_equilibrium(None)
-    assert own.show_rotation("stable") == "stable, not attractive"  # no motion at the point turns the body
-    own.here[0] = replace(own.here[0], twist=(*own.here[0].twist[:2], cells.one, cells.one))
-    assert own.show_rotation(None) == word
+    clauses = Clauses(cells, Proofs({"lowest": end, "highest": end}))
+    clauses.here = [replace(motion, twist=(*motion.twist[:2], cells.zero, cells.one)) for motion in clauses.here]
+    clauses.fan = fan
+    assert clauses.show_equilibrium(None)
+    assert clauses.show_rotation("stable") == "stable, not attractive"  # no motion at the point turns the body
+    clauses.here[0] = replace(clauses.here[0], twist=(*clauses.here[0].twist[:2], cells.one, cells.one))
+    assert clauses.show_rotation(None) == word
 
 
 @pytest.mark.parametrize("disc", ["1/9", None])

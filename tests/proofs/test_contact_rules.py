@@ -110,8 +110,8 @@ def test_the_linearization_against_the_minimizer(name: str) -> None:
     columns = np.array([[float(x) for x in column] for column in point.linearization.columns])
     directions = NEAR * np.array([(1.0, 0.0), (0.0, 1.0), (0.6, -0.8)])
     predicted = directions @ columns
-    found = twists_near(scene, directions)
-    assert np.abs(found - predicted).max() < 2e-2 * np.abs(predicted).max()
+    twists = twists_near(scene, directions)
+    assert np.abs(twists - predicted).max() < 2e-2 * np.abs(predicted).max()
 
 
 def test_without_bearing_friction_nothing_bends_and_the_point_is_open() -> None:
@@ -240,8 +240,8 @@ def test_speeds_impose_their_twists(name: str, ratio: Fraction) -> None:
     for cone in feedback.cones:
         towards = (0.0, 0.0) if cone.rays is None else tuple(float(x) for x in plus(*cone.rays))
         for imposed in cone.twists:
-            found = twists_near(scene, 1e-2 * np.array([towards]), np.array(rim_speeds(scene, imposed)))
-            assert np.abs(found[0] - [float(x) for x in imposed.twist]).max() < IMPOSED
+            twists = twists_near(scene, 1e-2 * np.array([towards]), np.array(rim_speeds(scene, imposed)))
+            assert np.abs(twists[0] - [float(x) for x in imposed.twist]).max() < IMPOSED
 
 
 def test_boxes_inside_the_sets_prove_what_forces_leave_open() -> None:
@@ -258,8 +258,8 @@ def test_what_forces_prove_no_separator_excludes(arrays: Arrays) -> None:
     balanced = [balance_twist(scene, region, twist) for twist in candidate_twists(scene)]
     unique = [one for one in balanced if one.is_unique]
     for one in unique:
-        found = twists_near(scene, np.zeros((1, 2)), np.array(rim_speeds(scene, one)))
-        assert np.abs(found[0] - [float(x) for x in one.twist]).max() < IMPOSED
+        twists = twists_near(scene, np.zeros((1, 2)), np.array(rim_speeds(scene, one)))
+        assert np.abs(twists[0] - [float(x) for x in one.twist]).max() < IMPOSED
     assert not exclude_twist(unique[0]).is_excluded
 
 
@@ -467,15 +467,15 @@ def rates_of_minimizers(functional: Functional, law: SampledLaw, side: float, st
     arms, loads = np.column_stack([-p[:, 1], p[:, 0]]), (1 + p @ state[:2]) / 4
     twist, slips, sizes = cp.Variable(3), cp.Variable((4, 2)), cp.Variable((4, 2))
     roll, across = (np.column_stack([axes, (axes * arms).sum(1)]) @ twist for axes in (d, n))
-    held = [slips[:, 0] == roll - speeds, slips[:, 1] == side * across]
+    constraints = [slips[:, 0] == roll - speeds, slips[:, 1] == side * across]
     if functional is Functional.BOX:
-        held += [slips <= sizes, -slips <= sizes]
+        constraints += [slips <= sizes, -slips <= sizes]
     else:
-        held += [cp.SOC(sizes[:, 0], slips, axis=1), sizes[:, 1] == 0]
+        constraints += [cp.SOC(sizes[:, 0], slips, axis=1), sizes[:, 1] == 0]
     total, rate = loads @ sizes @ np.ones(2), 2 * (state @ twist) / (state @ state)
-    least = cp.Problem(cp.Minimize(total), held).solve(solver=cp.CLARABEL)
+    least = cp.Problem(cp.Minimize(total), constraints).solve(solver=cp.CLARABEL)
     ends = (cp.Minimize(rate), cp.Maximize(rate))
-    low, high = (cp.Problem(end, [*held, total <= least + SLACK]).solve(solver=cp.CLARABEL) for end in ends)
+    low, high = (cp.Problem(end, [*constraints, total <= least + SLACK]).solve(solver=cp.CLARABEL) for end in ends)
     return float(low), float(high)
 
 

@@ -24,9 +24,9 @@ from nonsmooth.proofs.clauses.feedback.cascade_law import TurnRegion
 from nonsmooth.proofs.clauses.feedback.control_fields import (
     SQUARES,
     ControlLyapunov,
-    Demand,
     InputCell,
     RowInputs,
+    StrictSignCondition,
     find_shapes,
     shape_regions,
 )
@@ -79,8 +79,8 @@ def local_cells(result: FeedbackResult) -> list[InputCell]:
     return list(result.inputs.local)
 
 
-def demands_of(result: FeedbackResult) -> list[Demand]:
-    return [data.demand for data in local_cells(result)]
+def sign_conditions_of(result: FeedbackResult) -> list[StrictSignCondition]:
+    return [data.sign_condition for data in local_cells(result)]
 
 
 def shapes(seed: int, count: int) -> list[Shape]:
@@ -94,12 +94,12 @@ def shapes(seed: int, count: int) -> list[Shape]:
     return found
 
 
-def serves(demands: list[Demand], shape: Shape) -> bool:
+def serves(sign_conditions: list[StrictSignCondition], shape: Shape) -> bool:
     """By the definition: ``c^T P D_i`` has one strict sign at the vertices of each cell, P written out."""
     (e, f), good = shape, True
-    for demand in demands:
-        d = demand.direction
-        values = [x * ((1 + e) * d[0] + f * d[1]) + y * (f * d[0] + (1 - e) * d[1]) for x, y in demand.vertices]
+    for sign_condition in sign_conditions:
+        d = sign_condition.direction
+        values = [x * ((1 + e) * d[0] + f * d[1]) + y * (f * d[0] + (1 - e) * d[1]) for x, y in sign_condition.vertices]
         good = good and {value.sign() for value in values} in ({1}, {-1})
     return good
 
@@ -112,26 +112,26 @@ def serves(demands: list[Demand], shape: Shape) -> bool:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_regions_hold_exactly_the_p_that_serve(seed: int, any_rims: bool) -> None:
     _, result = decided(seed, any_rims=any_rims)
-    demands = demands_of(result)
-    regions = [polygon for _, polygon in shape_regions(demands)]
-    field = demands[0].direction[0].field
+    sign_conditions = sign_conditions_of(result)
+    regions = [polygon for _, polygon in shape_regions(sign_conditions)]
+    field = sign_conditions[0].direction[0].field
 
     def strictly_inside(polygon: Polygon, shape: Shape) -> bool:
         point = (field(shape[0]), field(shape[1]))
         return all(side.slack(point).sign() > 0 for side in polygon.sides)
 
     for shape in shapes(seed, 60):
-        assert serves(demands, shape) == any(strictly_inside(polygon, shape) for polygon in regions)
+        assert serves(sign_conditions, shape) == any(strictly_inside(polygon, shape) for polygon in regions)
 
 
 @few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_one_p_is_found_in_every_region(seed: int) -> None:
     _, result = decided(seed, any_rims=True)
-    demands = demands_of(result)
-    found = list(find_shapes(demands))
-    assert len(found) == len(shape_regions(demands))
-    assert all(serves(demands, shape) for shape in found)
+    sign_conditions = sign_conditions_of(result)
+    found = list(find_shapes(sign_conditions))
+    assert len(found) == len(shape_regions(sign_conditions))
+    assert all(serves(sign_conditions, shape) for shape in found)
     assert all(ControlLyapunov(shape).is_positive for shape in found)
 
 
@@ -179,7 +179,7 @@ def shaped_results(count: int | None) -> list[tuple[Partition, FeedbackResult]]:
 def worst_rate(data: InputCell, lyapunov: ControlLyapunov, within: float, seed: int) -> float:
     """Largest ``V'/V`` under the law with gain one at random states of the cell, from the exact pose kinematics."""
     rng = np.random.default_rng(seed)
-    corners = np.array([[float(x) for x in vertex] for vertex in data.demand.vertices])
+    corners = np.array([[float(x) for x in vertex] for vertex in data.sign_condition.vertices])
     (e, f), w = (float(x) for x in lyapunov.shape), float(lyapunov.weight)
     p = np.array([[1 + e, f], [f, 1 - e]])
     c = rng.exponential(size=(SAMPLES, len(corners))) ** 2 @ corners
@@ -197,7 +197,7 @@ def worst_rate(data: InputCell, lyapunov: ControlLyapunov, within: float, seed: 
 
 def best_rate(data: InputCell, lyapunov: ControlLyapunov) -> float:
     """Least ``(a^2 + b^2)/V`` to first order: by direction c the smaller eigenvalue of a pencil in (|c|, tau)."""
-    corners = np.array([[float(x) for x in vertex] for vertex in data.demand.vertices])
+    corners = np.array([[float(x) for x in vertex] for vertex in data.sign_condition.vertices])
     x, y = corners.mean(axis=0)
     angles = np.arctan2(corners @ [-y, x], corners @ [x, y]) + np.arctan2(y, x)
     c = np.array([(np.cos(t), np.sin(t)) for t in np.linspace(angles.min(), angles.max(), SAMPLES)])

@@ -68,13 +68,13 @@ def _random_field(source: random.Random, count: int) -> list[Polynomial]:
     """A field that rests where all states but the first are zero, and is stable across that line."""
 
     def terms(number: int) -> Polynomial:
-        found = constant(count, 0)
+        polynomial = constant(count, 0)
         for _ in range(number):
-            own = constant(count, Fraction(source.randint(-4, 4), 2))
+            term = constant(count, Fraction(source.randint(-4, 4), 2))
             for _ in range(source.randint(1, 2)):
-                own *= variable(count, source.randrange(count))
-            found += own * variable(count, source.randrange(1, count))
-        return found
+                term *= variable(count, source.randrange(count))
+            polynomial += term * variable(count, source.randrange(1, count))
+        return polynomial
 
     return [terms(3), *(terms(3) - variable(count, k, 2) for k in range(1, count))]
 
@@ -87,14 +87,14 @@ def _across(value: Polynomial) -> int:
 @pytest.mark.parametrize("count", [2, 3])
 def test_the_derivative_of_v_is_of_degree_two_across_the_line(count: int) -> None:
     """It has no terms that the square of the distance from the line does not outweigh."""
-    found = 0
+    number = 0
     for seed in range(40):
         field = _random_field(random.Random(seed), count)
         curve = curve_of_rest(field)
         for function in curve.functions() if curve is not None else ():
             assert _across(lie_derivative(function, field)) >= 2
-            found += 1
-    assert found > 40
+            number += 1
+    assert number > 40
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 4])
@@ -108,7 +108,7 @@ def test_a_matrix_times_its_adjugate_is_its_determinant(size: int) -> None:
     for i in range(size):
         for j in range(size):
             assert _dot(matrix[i], [row[j] for row in adjugate]) == (determinant if i == j else constant(1, 0))
-    floats = [[float(own.on([constant(1, 1)], 1).at_origin) for own in row] for row in matrix]
+    floats = [[float(entry.on([constant(1, 1)], 1).at_origin) for entry in row] for row in matrix]
     assert np.linalg.det(floats) == pytest.approx(float(determinant.on([constant(1, 1)], 1).at_origin))
 
 

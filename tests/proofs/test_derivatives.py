@@ -17,7 +17,7 @@ from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, gradients_at, lyapunov_cells, velocities_at
 from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.forms import Sense
-from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Trend, Trends, ladder_at
+from nonsmooth.proofs.inequalities.kinks import Interval, Kink, SupremumSign, SupremumSigns, ladder_at
 from nonsmooth.proofs.inequalities.prover import Proof, prove
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
@@ -107,8 +107,8 @@ def test_suprema_over_the_plane(
 ) -> None:
     result = examined(load_system(name), lyapunov)
     assert result.verdict is verdict
-    found = [result.supremum(kind).value for kind in ("naive", "shevitz_paden", "bacciotti_ceragioli")]
-    assert [str(value) for value in found] == [str(value) for value in (naive, shevitz_paden, bacciotti_ceragioli)]
+    suprema = [result.supremum(kind).value for kind in ("naive", "shevitz_paden", "bacciotti_ceragioli")]
+    assert [str(value) for value in suprema] == [str(value) for value in (naive, shevitz_paden, bacciotti_ceragioli)]
 
 
 def test_the_ladder_at_the_equilibrium_itself() -> None:
@@ -125,7 +125,7 @@ def test_smooth_v_needs_no_surfaces() -> None:
     assert all(isinstance(stratum.evidence, tuple) for stratum in result.strata)  # of cells
     assert result.verdict is Decrease.WEAK
     supremum = result.supremum("bacciotti_ceragioli")
-    assert (supremum.trend, supremum.value) == (Trend.NONPOSITIVE, None)  # it varies over the cells
+    assert (supremum.supremum_sign, supremum.value) == (SupremumSign.NONPOSITIVE, None)  # it varies over the cells
 
 
 # ---- one point: linear programs ------------------------------------------------------------------
@@ -133,8 +133,8 @@ def test_smooth_v_needs_no_surfaces() -> None:
 
 def largest(costs: Sequence[float], rows: Sequence[Sequence[float]], rhs: Sequence[float]) -> float | None:
     """Maximum over convex weights with equations; None where there are none."""
-    found = linprog(-np.array(costs), A_eq=np.array([*rows, np.ones(len(costs))]), b_eq=[*rhs, 1], bounds=(0, None))
-    return -found.fun if found.success else None
+    solution = linprog(-np.array(costs), A_eq=np.array([*rows, np.ones(len(costs))]), b_eq=[*rhs, 1], bounds=(0, None))
+    return -solution.fun if solution.success else None
 
 
 def common_values(velocities: list[Vector], gradients: list[Vector]) -> Bounds:
@@ -151,7 +151,7 @@ def intersected_values(velocities: list[Vector], gradients: list[Vector]) -> Bou
     count = products.shape[1]
 
     def game(sign: int) -> float:
-        found = linprog(
+        solution = linprog(
             [0] * count + [-sign],
             A_ub=np.hstack([-sign * products, np.full((len(products), 1), sign)]),
             b_ub=np.zeros(len(products)),
@@ -159,7 +159,7 @@ def intersected_values(velocities: list[Vector], gradients: list[Vector]) -> Bou
             b_eq=[1],
             bounds=[(0, None)] * count + [(None, None)],
         )
-        return float(found.x[-1])
+        return float(solution.x[-1])
 
     low, high = game(-1), game(1)
     return (low, high) if low <= high + SOLVER_ERROR else None
@@ -175,19 +175,19 @@ def test_ladder_against_linear_programs(velocities: list[Vector], gradients: lis
     ladder = ladder_at(*exact)
     products = [a * c + b * d for a, b in velocities for c, d in gradients]
     assert (ladder.naive.low, ladder.naive.high) == (min(products), max(products))
-    for found, expected in (
+    for interval, expected in (
         (ladder.shevitz_paden, intersected_values(velocities, gradients)),
         (ladder.bacciotti_ceragioli, common_values(velocities, gradients)),
     ):
-        agrees(found, expected)
+        agrees(interval, expected)
     inside(ladder.bacciotti_ceragioli, ladder.shevitz_paden)
     inside(ladder.shevitz_paden, ladder.naive)
 
 
-def agrees(found: Interval | None, expected: Bounds) -> None:
-    assert (found is None) == (expected is None)
-    if found is not None and expected is not None:
-        assert [float(found.low), float(found.high)] == pytest.approx(expected, abs=SOLVER_ERROR)
+def agrees(interval: Interval | None, expected: Bounds) -> None:
+    assert (interval is None) == (expected is None)
+    if interval is not None and expected is not None:
+        assert [float(interval.low), float(interval.high)] == pytest.approx(expected, abs=SOLVER_ERROR)
 
 
 def inside(inner: Interval | None, outer: Interval | None) -> None:
@@ -212,7 +212,7 @@ FIELDS = [
 @few(3)
 @pytest.mark.parametrize("lyapunov", BENDING)
 @pytest.mark.parametrize("field", FIELDS, ids=range(len(FIELDS)))
-def test_trends_on_edges_bound_the_ladder_at_their_points(load: Load, lyapunov: str, field: tuple[str, str]) -> None:
+def test_signs_on_edges_bound_the_ladder_at_their_points(load: Load, lyapunov: str, field: tuple[str, str]) -> None:
     scene = load(*field)
     result = examined(scene, lyapunov)
     kinks = [stratum for stratum in result.strata if isinstance(stratum.evidence, Kink)]
@@ -221,24 +221,24 @@ def test_trends_on_edges_bound_the_ladder_at_their_points(load: Load, lyapunov: 
         kink = stratum.evidence
         assert isinstance(kink, Kink)
         for t in kink.samples():
-            assert kink.trends_at(t) == trends_of(result, kink.point(t))
+            assert kink.signs_at(t) == signs_of(result, kink.point(t))
         for t in [Fraction(k, 16) for k in (1, 3, 7, 12, 16, 21, 40, 160)]:
-            here = trends_of(result, kink.point(t))
-            assert kink.trends_at(t) == here
+            here = signs_of(result, kink.point(t))
+            assert kink.signs_at(t) == here
             for name in ("naive", "shevitz_paden", "bacciotti_ceragioli"):
-                assert getattr(here, name).rank <= getattr(stratum.trends, name).rank
+                assert getattr(here, name).rank <= getattr(stratum.supremum_signs, name).rank
 
 
-def trends_of(result: LyapunovResult, point: tuple[Any, Any]) -> Trends:
+def signs_of(result: LyapunovResult, point: tuple[Any, Any]) -> SupremumSigns:
     """The signs of the largest values at a point, by the ladder there."""
     ladder = derivatives_at(result.cells, point)
-    return Trends(*(Trend.EMPTY if i is None else Trend.of_sign(i.high.sign()) for i in ladder))
+    return SupremumSigns(*(SupremumSign.EMPTY if i is None else SupremumSign.of_sign(i.high.sign()) for i in ladder))
 
 
 @few(4)
 @pytest.mark.parametrize("lyapunov", BENDING)
 @pytest.mark.parametrize("field", FIELDS, ids=range(len(FIELDS)))
-def test_trends_on_cells_bound_the_rate_at_their_points(load: Load, lyapunov: str, field: tuple[str, str]) -> None:
+def test_signs_on_cells_bound_the_rate_at_their_points(load: Load, lyapunov: str, field: tuple[str, str]) -> None:
     result = examined(load(*field), lyapunov)
     rng = np.random.default_rng(11)
     for cell, stratum in zip(result.cells, result.strata, strict=False):
@@ -248,8 +248,8 @@ def test_trends_on_cells_bound_the_rate_at_their_points(load: Load, lyapunov: st
             if not w or not (x or y):
                 continue
             for rate in cell.rates:
-                trend = Trend.of_sign(rate((x / w, y / w)).sign())
-                assert trend.rank <= stratum.trends.bacciotti_ceragioli.rank
+                supremum_sign = SupremumSign.of_sign(rate((x / w, y / w)).sign())
+                assert supremum_sign.rank <= stratum.supremum_signs.bacciotti_ceragioli.rank
 
 
 def combined(weights: list[int], values: list[Any]) -> Number:
@@ -301,9 +301,9 @@ def test_sliding_that_increases_v_refutes_it(load: Load) -> None:
     result = examined(load("1", "-4*sign(y)"), "Abs(x)/2 + Abs(y)")
     assert result.verdict is Decrease.REFUTED
     surfaces = [s for s in result.strata if isinstance(s.evidence, Kink)]
-    assert max(s.trends.bacciotti_ceragioli.rank for s in surfaces) == Trend.POSITIVE.rank
+    assert max(s.supremum_signs.bacciotti_ceragioli.rank for s in surfaces) == SupremumSign.POSITIVE.rank
     cells = [s for s in result.strata if isinstance(s.evidence, tuple)]
-    assert {s.trends.bacciotti_ceragioli for s in cells} == {Trend.NEGATIVE}
+    assert {s.supremum_signs.bacciotti_ceragioli for s in cells} == {SupremumSign.NEGATIVE}
 
 
 # ---- V that bends along curves: against the definition at sampled points, paths, and a corner at which solutions

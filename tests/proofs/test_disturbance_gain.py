@@ -54,15 +54,15 @@ def checked(rhs: tuple[str, str], lyapunov: str) -> StabilityResult:
 def disturbed(rhs: tuple[str, str], lyapunov: str, starts: np.ndarray, delta: float, until: float) -> np.ndarray:
     """V along polygons of ``x' = f + d``, d in each step the one of 24 directions that leaves V largest."""
     x, y = starts.T
-    found = [value(lyapunov, x=x, y=y)]
+    values = [value(lyapunov, x=x, y=y)]
     for _ in range(int(until / STEP)):
         f, g = (value(text, x=x, y=y) for text in rhs)
         xs = x + STEP * (f + delta * DIRECTIONS[:, :1])
         ys = y + STEP * (g + delta * DIRECTIONS[:, 1:])
         best = np.argmax(value(lyapunov, x=xs, y=ys), axis=0)
         x, y = xs[best, np.arange(len(x))], ys[best, np.arange(len(x))]
-        found.append(value(lyapunov, x=x, y=y))
-    return np.array(found)
+        values.append(value(lyapunov, x=x, y=y))
+    return np.array(values)
 
 
 @pytest.mark.usefixtures("without_far_starts")
@@ -162,8 +162,8 @@ def test_rates_of_forms_hold_on_the_plane(rhs: tuple[str, str], lyapunov: str) -
     size = value(lyapunov, x=x, y=y) if rate.decay is DecayKind.EXPONENTIAL else 1.0
     assert (rise <= -float(rate.kappa) * size * (1 - 1e-5)).all()
     claims = certificate_of(result)["statement"]["claims"]
-    assert any(own.get("rate", {}).get("within", "") is None for own in claims)
-    assert any(own.get("gain", {}).get("within") == str(gain.domain.radius) for own in claims)
+    assert any(claim.get("rate", {}).get("within", "") is None for claim in claims)
+    assert any(claim.get("gain", {}).get("within") == str(gain.domain.radius) for claim in claims)
 
 
 def test_a_quadratic_v_of_relays_has_a_rate_on_the_square() -> None:
@@ -194,7 +194,7 @@ def test_three_states() -> None:
     steepest = np.linalg.norm(slopes, axis=1).max()
     assert steepest <= float(gain.gamma) < 1.1 * steepest
     claims = certificate_of(result)["statement"]["claims"]
-    assert any(own.get("gain", {}).get("gamma") == str(gain.gamma) for own in claims)
+    assert any(claim.get("gain", {}).get("gamma") == str(gain.gamma) for claim in claims)
 
 
 def value3(text: str, point: np.ndarray) -> float:
@@ -226,7 +226,7 @@ def test_one_state(rhs: str) -> None:
     assert ("every start with V < " in gain_words(reach.gain, ("x",))) is not everywhere
     claims = certificate_of(result)["statement"]["claims"]
     assert ({"attracts": "everywhere"} in claims) is everywhere
-    assert any(own.get("gain", {}).get("gamma") == "1" for own in claims)
+    assert any(claim.get("gain", {}).get("gamma") == "1" for claim in claims)
 
 
 PACES = [  # right-hand sides of every kind of rate; those of two states with a V of one formula, and of pieces
@@ -252,7 +252,7 @@ def test_a_slower_system_has_a_slower_rate(rhs: tuple[str, ...]) -> None:
         assert result.reach.rate is not None
         rates.append((result.reach.rate.decay, float(result.reach.rate.kappa / speed)))
         claims = certificate_of(result)["statement"]["claims"]
-        assert any(own.get("rate", {}).get("kappa") == str(result.reach.rate.kappa) for own in claims)
+        assert any(claim.get("rate", {}).get("kappa") == str(result.reach.rate.kappa) for claim in claims)
     (kind, fast), (other, slow) = rates
     assert kind is other
     assert 0.8 < slow / fast < 1.25
@@ -299,7 +299,7 @@ def test_rates_of_higher_order(rhs: tuple[str, ...]) -> None:
     assert reach.gain is None
     assert "V0/(1 + " in rate_words(reach, names)
     claims = certificate_of(result)["statement"]["claims"]
-    assert any(own.get("rate", {}).get("kind") == "algebraic" for own in claims)
+    assert any(claim.get("rate", {}).get("kind") == "algebraic" for claim in claims)
 
 
 FOUND = (
@@ -325,8 +325,8 @@ def test_no_algebraic_rate_along_faces_of_higher_degree() -> None:
 
 
 def gain_of(record: Record) -> Any:
-    (own,) = (claim["gain"] for claim in record["statement"]["claims"] if "gain" in claim)
-    return own
+    (gain,) = (claim["gain"] for claim in record["statement"]["claims"] if "gain" in claim)
+    return gain
 
 
 @pytest.mark.usefixtures("without_far_starts")
@@ -335,9 +335,9 @@ def test_the_gain_that_is_printed_is_stated_and_no_smaller_one(rhs: tuple[str, s
     result = checked(rhs, function)
     assert result.reach.gain is not None
     record = certificate_of(result)
-    own = gain_of(record)
-    assert (own["gamma"], own["kappa"]) == (str(result.reach.gain.gamma), str(result.reach.gain.rate.kappa))
-    assert any(f"+ {own['gamma']} |d|" in line for line in describe(record["statement"]))
+    gain = gain_of(record)
+    assert (gain["gamma"], gain["kappa"]) == (str(result.reach.gain.gamma), str(result.reach.gain.rate.kappa))
+    assert any(f"+ {gain['gamma']} |d|" in line for line in describe(record["statement"]))
     smaller = json.loads(json.dumps(record))
     hypotheses = next(entry["hypotheses"] for entry in smaller["evidence"] if "gain" in entry["hypotheses"])
     hypotheses["gain"] = gain_of(smaller)["gamma"] = str(result.reach.gain.gamma * Fraction(3, 4))
@@ -350,9 +350,9 @@ def test_no_disturbance_adds_more(rhs: tuple[str, str], function: str) -> None:
 
     With a third of gamma it would be false.
     """
-    own = gain_of(certificate_of(checked(rhs, function)))
-    kappa, gamma = float(Fraction(own["kappa"])), float(Fraction(own["gamma"]))
-    assert own["kind"] == "finite"
+    gain = gain_of(certificate_of(checked(rhs, function)))
+    kappa, gamma = float(Fraction(gain["kappa"])), float(Fraction(gain["gamma"]))
+    assert gain["kind"] == "finite"
     rng = np.random.default_rng(5)
     d = rng.normal(size=(2, 4000)) * rng.uniform(0, 8, 4000)
     y = rng.uniform(0.01, 0.5, 4000) * rng.choice([-1, 1], 4000)
@@ -386,8 +386,8 @@ def test_surfaces_that_meet_off_the_point_have_no_gain() -> None:
             **{"second": None, "verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False},
             "rate": {"kind": "finite", "kappa": "1/2"},
         }
-        _, shown = Search().entry(system, "lyapunov", hypotheses)
-        assert "rate" in shown[-1]
+        _, claims = Search().entry(system, "lyapunov", hypotheses)
+        assert "rate" in claims[-1]
         if more:
             with pytest.raises(NotShownError, match="meet at the point alone"):
                 Search().entry(system, "lyapunov", {**hypotheses, "gain": "3"})

@@ -111,9 +111,9 @@ def test_under_box_the_law_imposes_its_motion_within_the_reach(name: str) -> Non
         vectors = np.array([[float(x) for x in twist] for twist in cone.vectors])
         best = int(np.argmax(np.abs(vectors @ g)))
         factor = -(vectors[best] @ g)
-        found = minimizer("box", model, c, factor * np.array(rim_speeds(scene, cone.twists[best])))
-        assert np.abs(found - factor * vectors[best]).max() <= BOX_ERROR * np.abs(factor * vectors[best]).max()
-        assert 2 * g @ found <= -2 * float(feedback.kappa) * (g @ g) * (1 - BOX_ERROR)
+        motion = minimizer("box", model, c, factor * np.array(rim_speeds(scene, cone.twists[best])))
+        assert np.abs(motion - factor * vectors[best]).max() <= BOX_ERROR * np.abs(factor * vectors[best]).max()
+        assert 2 * g @ motion <= -2 * float(feedback.kappa) * (g @ g) * (1 - BOX_ERROR)
 
 
 @few(2)
@@ -151,8 +151,8 @@ def test_about_places_nearby_speeds_impose_the_same_twists(name: str, rule: str,
             vx, vy, omega = imposed.twist
             moved = balance_twist(there, region, (vx - omega * y, vy + omega * x, omega))
             assert moved.is_unique
-            found = minimizer("ellipse", model, np.zeros(2), np.array(rim_speeds(there, moved)))
-            assert np.abs(found - np.array([float(entry) for entry in moved.twist])).max() < ELLIPSE_ERROR
+            motion = minimizer("ellipse", model, np.zeros(2), np.array(rim_speeds(there, moved)))
+            assert np.abs(motion - np.array([float(entry) for entry in moved.twist])).max() < ELLIPSE_ERROR
 
 
 def test_what_other_loads_may_undo_is_not_said_of_places_nearby() -> None:
@@ -286,11 +286,11 @@ def test_under_box_a_minimizer_tells_which_twists_are_realizable(arrays: Arrays,
     for twist in list(candidate_twists(scene))[:6]:
         examined = drives.examine(twist)
         exact = np.array([float(x) for x in twist])
-        found = minimizer("box", model, np.zeros(2), np.array(rim_speeds(scene, examined)))
+        motion = minimizer("box", model, np.zeros(2), np.array(rim_speeds(scene, examined)))
         if examined.is_unique:
-            assert np.abs(found - exact).max() < BOX_ERROR
+            assert np.abs(motion - exact).max() < BOX_ERROR
         if examined.is_excluded:
-            assert np.abs(found - exact).max() > BOX_ERROR
+            assert np.abs(motion - exact).max() > BOX_ERROR
         assert not (examined.is_unique and examined.is_excluded)
 
 
@@ -302,12 +302,12 @@ def test_slopes_left_out_bound_no_square_about_the_point(name: str, monkeypatch:
     examined = [(twist, drives.examine(twist)) for twist in islice(candidate_twists(scene), 12)]
     monkeypatch.setattr(Slopes, "first_to_vanish", lambda slopes: list(range(len(slopes))))
     left_out = 0
-    for twist, kept in examined:
+    for twist, fewer in examined:
         every = drives.examine(twist)
-        assert (kept.is_unique, kept.is_excluded) == (every.is_unique, every.is_excluded)
-        assert narrowest(kept.slopes) == narrowest(every.slopes)
-        assert kept.ties == every.ties
-        left_out += len(every.slopes) - len(kept.slopes)
+        assert (fewer.is_unique, fewer.is_excluded) == (every.is_unique, every.is_excluded)
+        assert narrowest(fewer.slopes) == narrowest(every.slopes)
+        assert fewer.ties == every.ties
+        left_out += len(every.slopes) - len(fewer.slopes)
     assert left_out
 
 
@@ -327,8 +327,8 @@ def test_under_ellipse_forces_and_separators_exclude_each_other(arrays: Arrays, 
         balanced = exclude_twist(balance_twist(scene, region, twist))
         assert not (balanced.is_unique and balanced.is_excluded)
         if balanced.is_unique:
-            found = minimizer("ellipse", model, np.zeros(2), np.array(rim_speeds(scene, balanced)))
-            assert np.abs(found - np.array([float(x) for x in twist])).max() < ELLIPSE_ERROR
+            motion = minimizer("ellipse", model, np.zeros(2), np.array(rim_speeds(scene, balanced)))
+            assert np.abs(motion - np.array([float(x) for x in twist])).max() < ELLIPSE_ERROR
         shifted = replace(balanced, values=tuple(value + Fraction(1, 1000) for value in balanced.values))
         assert not shifted.is_unique  # the Newton step leaves the box around values that do not balance
 
@@ -373,8 +373,8 @@ def test_two_drive_wheels_and_slippery_supports_are_a_unicycle(arrays: Arrays) -
     for _ in range(40):
         c = rng.uniform(-0.02, 0.02, 2)
         speeds = rng.normal(size=4) * 10 ** rng.uniform(-2, 2, 4)
-        found = minimizer("box", model, c, speeds)
-        assert abs(found[1]) <= 1e-9 * np.abs(speeds).max()
+        motion = minimizer("box", model, c, speeds)
+        assert abs(motion[1]) <= 1e-9 * np.abs(speeds).max()
     result = check_theorem4(replace(scene, contact=replace(scene.contact, rule="box")))
     assert (result.clauses[1][1].verdict, result.rotation.verdict) == (Translation.STABLE, Rotation.UNSTABLE)
     assert result.verdict is Theorem4.FAILS
@@ -393,8 +393,8 @@ def test_under_ellipse_it_is_a_unicycle_too(arrays: Arrays) -> None:
     model, rng = contact_model(scene), np.random.default_rng(1)
     for _ in range(20):
         speeds = rng.normal(size=4) * 10 ** rng.uniform(-2, 2, 4)
-        found = minimizer("ellipse", model, rng.uniform(-1e-3, 1e-3, 2), speeds)
-        assert np.abs(found[1]) <= ELLIPSE_ERROR * np.abs(speeds).max()
+        motion = minimizer("ellipse", model, rng.uniform(-1e-3, 1e-3, 2), speeds)
+        assert np.abs(motion[1]) <= ELLIPSE_ERROR * np.abs(speeds).max()
 
 
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
@@ -429,16 +429,16 @@ def test_an_exclusion_is_verified_arc_by_arc(arrays: Arrays) -> None:
     excluded = exclude_twist(balance_twist(scene, region, (zero, one, zero)))
     assert excluded.is_excluded
     assert not excluded.is_unique
-    held = balance_twist(scene, region, (one, zero, zero))
-    assert held.is_unique
-    assert not exclude_twist(held).is_excluded
+    balanced = balance_twist(scene, region, (one, zero, zero))
+    assert balanced.is_unique
+    assert not exclude_twist(balanced).is_excluded
     whole = [HALVES] * len(excluded.wheels)
     for direction in ((0, 1, 0), (0, -1, 0), (0, 0, 0)):  # over whole half circles no direction separates
         assert not separates([Fraction(x) for x in direction], excluded.wheels, whole)
     search = ExclusionSearch(excluded.wheels)
     assert search.excludes(whole)
     assert search.left < BUDGET - 1  # arcs were halved
-    assert not ExclusionSearch(held.wheels).excludes([HALVES] * len(held.wheels))
+    assert not ExclusionSearch(balanced.wheels).excludes([HALVES] * len(balanced.wheels))
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -481,8 +481,8 @@ def test_no_array_is_both_stabilizable_and_obstructed(arrays: Arrays, seed: int)
     model, normal = contact_model(scene), np.array([float(x) for x in feedback.obstruction])
     for _ in range(10):
         speeds = rng.normal(size=len(scene.wheels)) * 10 ** rng.uniform(-2, 2, len(scene.wheels))
-        found = minimizer("box", model, rng.uniform(-1e-4, 1e-4, 2), speeds)
-        assert abs(normal @ found) <= 1e-8 * np.abs(normal).max() * np.abs(speeds).max()
+        motion = minimizer("box", model, rng.uniform(-1e-4, 1e-4, 2), speeds)
+        assert abs(normal @ motion) <= 1e-8 * np.abs(normal).max() * np.abs(speeds).max()
 
 
 def scene_load(scene: Scene, load: int) -> tuple[Number, Number, Number]:
@@ -499,7 +499,7 @@ def test_opposite_inward_rims_balance_exactly_and_turn_by_their_loads(arrays: Ar
     assert "balance exactly" in feedback.reason
     for cone in feedback.cones:
         assert evidence_holds(cone)
-        assert not all(held.is_unique for held in cone.twists)
+        assert not all(twist.is_unique for twist in cone.twists)
         assert not evidence_holds(replace(cone, rays=None))
         assert any(twist[2] for twist in cone.vectors)
 
@@ -518,7 +518,7 @@ def test_a_balance_that_no_shift_of_the_load_resolves_is_named(arrays: Arrays) -
 def test_kinds_of_twists_do_not_mix(arrays: Arrays) -> None:
     box = decide_driven_feedback(centred(load_scene("ring-3"), "box"))
     ellipse = decide_driven_feedback(centred(load_scene("ring-3"), "ellipse"))
-    assert all(isinstance(held, BoxTwist) for held in box.cones[0].twists)
+    assert all(isinstance(twist, BoxTwist) for twist in box.cones[0].twists)
     assert all(isinstance(balanced, BalancedTwist) for balanced in ellipse.cones[0].twists)
     assert ellipse.reach is None
 
@@ -551,8 +551,8 @@ def test_where_load_regions_meet_the_reach_counts_all_of_them(arrays: Arrays) ->
         g = np.array([*rng.uniform(-0.99, 0.99, 2) * float(feedback.reach), rng.normal() / 20])
         best = int(np.argmax(np.abs(vectors @ g)))
         speeds = -(vectors[best] @ g) * np.array(rim_speeds(scene, cone.twists[best]))
-        found = minimizer("box", model, g[:2], speeds)
-        assert 2 * g @ found <= -2 * float(feedback.kappa) * (g @ g) * (1 - BOX_ERROR)
+        motion = minimizer("box", model, g[:2], speeds)
+        assert 2 * g @ motion <= -2 * float(feedback.kappa) * (g @ g) * (1 - BOX_ERROR)
 
 
 @pytest.mark.parametrize("exponent", keep(3, [-12, 0, 6, -6, 12]))
@@ -605,14 +605,14 @@ def test_cones_that_do_not_go_around_are_refused(arrays: Arrays) -> None:
 
 
 def test_whichever_wheels_are_stopped_an_array_is_decided_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[Scene] = []
+    scenes: list[Scene] = []
 
-    def decided(own: Scene, length: Fraction) -> DrivenFeedback:
-        asked.append(own)
-        return DrivenFeedback(Feedback.UNDECIDED, "", own)
+    def decided(array: Scene, length: Fraction) -> DrivenFeedback:
+        scenes.append(array)
+        return DrivenFeedback(Feedback.UNDECIDED, "", array)
 
     monkeypatch.setattr(by_friction, "_decide", decided)
     scene = centred(load_scene("ring-6"), "roller")
     for failed in ((), (1,), (2, 3)):
         assert decide_driven_feedback(stopped(scene, failed)).scene == stopped(scene, failed)
-    assert len(asked) == 1
+    assert len(scenes) == 1

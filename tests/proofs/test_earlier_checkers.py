@@ -139,5 +139,5 @@ def test_which_arrays_version_1_has_words_for(every: int) -> None:
 
 @pytest.mark.parametrize("start", keep(1, range(48)))
 def test_arrays_of_the_corpus(start: int) -> None:
-    words = {name: own for name, own in good_arrays().items() if name not in WITHOUT_WORDS}
+    words = {name: record for name, record in good_arrays().items() if name not in WITHOUT_WORDS}
     assert not [name for name in list(words)[start::48] if refusal_of_version_1(words[name])]

@@ -53,8 +53,8 @@ def test_verdicts_agree_with_highs_on_random_arrays(arrays: Arrays, seed: int) -
 
 @thorough  # about all random cases, which `make bench` runs
 def test_both_verdicts_occur_among_the_random_arrays(arrays: Arrays) -> None:
-    found = {decide(s).verdict for seed in range(30) for s in (arrays.random(seed, 4), arrays.cocircular(seed))}
-    assert found == {Equilibrium.HOLDS, Equilibrium.FAILS}
+    verdicts = {decide(s).verdict for seed in range(30) for s in (arrays.random(seed, 4), arrays.cocircular(seed))}
+    assert verdicts == {Equilibrium.HOLDS, Equilibrium.FAILS}
 
 
 @few(3)

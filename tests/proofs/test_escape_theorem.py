@@ -61,8 +61,8 @@ def certificate(name: str) -> Record:
     entry, claims = show_escape_of(system, UNSTABLE)
     sides = [list(side) for side in ([rhs] if isinstance(rhs[0], str) else rhs)]
     subject = {"states": states.split(), "rhs": sides, "at": ["0"] * len(states.split())}
-    found = {"version": VERSION, "statement": {"subject": subject, "claims": claims}, "evidence": [entry]}
-    return json.loads(json.dumps(found))
+    record = {"version": VERSION, "statement": {"subject": subject, "claims": claims}, "evidence": [entry]}
+    return json.loads(json.dumps(record))
 
 
 @pytest.mark.parametrize("name", but(["a state that adds up one that creeps home", "beside a slow curve"], LEAVING))
@@ -120,7 +120,7 @@ def nearer(zero: list[Callable[[Floats], float]], place: Floats) -> Floats:
     """A place moved onto surfaces, by one step of Newton's method for each, with slopes by differences."""
     for surface in zero:
         moves = 1e-6 * np.eye(len(place))
-        slope = np.array([(surface(place + own) - surface(place - own)) / 2e-6 for own in moves])
+        slope = np.array([(surface(place + move) - surface(place - move)) / 2e-6 for move in moves])
         place = place - surface(place) * slope / float(slope @ slope)
     return place
 
@@ -200,9 +200,9 @@ def random_hypotheses(source: random.Random) -> Record:
     mixture = []
     for k in range(1 if "0" not in signs else 2):
         cell = signs.replace("0", "-+"[k]) if source.random() < 0.9 else source.choice(["++", "+-", "-+", "--"])
-        toward = [str({"-": -1, "+": 1}[own]) for own in cell]
+        toward = [str({"-": -1, "+": 1}[sign]) for sign in cell]
         mixture.append([cell, 0, source.choice(["1", "1", "2", "x", "-y", "0"]), toward])
-    direction = [{"-": -2, "+": 2, "0": 0}[own] for own in signs]
+    direction = [{"-": -2, "+": 2, "0": 0}[sign] for sign in signs]
     direction[source.randrange(2)] //= 2
     x, y = direction
     forms = [form for form in forms if value(form, x=x, y=y) > 0]

@@ -77,8 +77,8 @@ def of_points(found: Check) -> tuple[EveryLoadEquilibrium, EveryLoadTranslation]
 def under(scene: Scene, load: Loads) -> Scene:
     """The array under one load that is known at the point, carried to others, in a square where it is positive."""
     table = carried_table(load, [wheel.position for wheel in scene.wheels])
-    known = replace(scene, contact=Contact(scene.contact.rule, table))
-    return replace(known, check=replace(known.check, radius=known.check.radius / 64))
+    loaded = replace(scene, contact=Contact(scene.contact.rule, table))
+    return replace(loaded, check=replace(loaded.check, radius=loaded.check.radius / 64))
 
 
 def sampled(scene: Scene, count: int, seed: int) -> Iterator[Loads]:
@@ -95,15 +95,15 @@ def admissible_at(scene: Scene, points: Floats, rng: np.random.Generator) -> Flo
     from scipy.optimize import linprog
 
     moments = np.array([[1.0, *map(float, wheel.position)] for wheel in scene.wheels])
-    found = []
+    loads = []
     for point in points:
         draws = [
             linprog(rng.normal(size=len(moments)), A_eq=moments.T, b_eq=[1, *point], bounds=(0, None)).x
             for _ in range(2)
         ]
         share = rng.choice([0.0, rng.random()])
-        found.append(np.maximum(share * draws[0] + (1 - share) * draws[1], 0))
-    return np.array(found)
+        loads.append(np.maximum(share * draws[0] + (1 - share) * draws[1], 0))
+    return np.array(loads)
 
 
 # ---- rollers that turn freely ----------------------------------------------------------------
@@ -243,12 +243,12 @@ def test_rest_or_spin_minimizes_d_under_every_sampled_load(name: str) -> None:
     assert twist is not None
     loads = admissible_at(scene, np.zeros((40, 2)), np.random.default_rng(3))
     minima, model = BoxHighs().minimize(contact_model(scene), loads), contact_model(scene)
-    own = np.array([float(entry) for entry in twist])
-    mine = dissipation(Functional.BOX, model, loads, np.tile(own, (len(loads), 1)))
+    motion = np.array([float(entry) for entry in twist])
+    mine = dissipation(Functional.BOX, model, loads, np.tile(motion, (len(loads), 1)))
     best = dissipation(Functional.BOX, model, loads, minima.twists)
     assert (mine <= best + SAME_D).all()
     if equilibrium.point.situation is EveryLoad.UNIQUE:
-        assert (np.abs(minima.twists - own) < STILL).all()
+        assert (np.abs(minima.twists - motion) < STILL).all()
 
 
 def random_linear_array(arrays: Arrays, seed: int) -> Scene:
@@ -286,10 +286,10 @@ def test_linear_fields_against_known_loads(arrays: Arrays, seed: int, height: st
         assert check_theorem4(under(scene, translation.load)).results["translation"].verdict is Translation.UNSTABLE
         return
     for load in sampled(scene, 4, seed):
-        known = check_theorem4(under(scene, load))
-        assert known.results["equilibrium"].verdict is Equilibrium.HOLDS
+        check = check_theorem4(under(scene, load))
+        assert check.results["equilibrium"].verdict is Equilibrium.HOLDS
         if translation.verdict is Translation.ASYMPTOTICALLY_STABLE:
-            assert known.results["translation"].verdict is Translation.ASYMPTOTICALLY_STABLE
+            assert check.results["translation"].verdict is Translation.ASYMPTOTICALLY_STABLE
 
 
 @thorough  # about all random cases, which `make bench` runs
@@ -378,9 +378,9 @@ def test_floats_leave_out_no_slope_that_matters(name: str, height: str | None) -
     scene = (with_loads(plain, "box") if height is None else scattered(plain, "box", height)).recentred()
     slopes, loads = build_slopes(scene, scene.field.zero), load_set(scene)
     assert slopes is not None
-    shown = range(0, len(slopes.rays), max(1, len(slopes.rays) // 60))
+    indices = range(0, len(slopes.rays), max(1, len(slopes.rays) // 60))
     values, doubt = slopes.float_lowest(loads.bound)
-    for k in shown:
+    for k in indices:
         prices = slopes.prices(k)
         exact = priced(prices, loads.bound.lowest(prices))
         assert abs(float(exact) - values[k]) <= doubt[k]
@@ -403,12 +403,12 @@ def test_forms_on_hulls_against_samples(seed: int) -> None:
     count = int(rng.integers(1, 6))
     entries = rng.integers(-4, 9, (count, count))
     whole = entries + entries.T + np.diag(rng.integers(0, 12, count))
-    shown = is_positive_on_hull([[field(int(entry)) for entry in row] for row in whole])
+    positive = is_positive_on_hull([[field(int(entry)) for entry in row] for row in whole])
     weights = rng.dirichlet(np.full(count, 0.5), 2000)
     least = np.einsum("mi,ij,mj->m", weights, whole, weights).min()
-    assert not (shown and least <= 0)
+    assert not (positive and least <= 0)
     if least > 0.5:
-        assert shown
+        assert positive
 
 
 # ---- Laws for every load, against minimizers of D under sampled loads that share nothing with the proof.
@@ -481,14 +481,14 @@ class Loop:
 
 def loop_of(scene: Scene, cone: LawCone) -> Loop:
     """The law of a cone under sampled loads near the point."""
-    own, rng = in_own_length(scene), np.random.default_rng(5)
-    loads, rule = sampled_loads(own, NEAR * rng.normal(size=2), rng), rule_of(own)
-    model = contacts_under(rule, own)
+    rescaled, rng = in_own_length(scene), np.random.default_rng(5)
+    loads, rule = sampled_loads(rescaled, NEAR * rng.normal(size=2), rng), rule_of(rescaled)
+    model = contacts_under(rule, rescaled)
     minimizer = EllipseMinimizer() if isinstance(rule, SmoothRule) else BoxHighs()
     motions = []
     for imposed in cone.twists:
         targets = np.zeros(2 * model.wheels)
-        targets[0::2] = rim_speeds(own, imposed)
+        targets[0::2] = rim_speeds(rescaled, imposed)
         motions.append(minimizer.minimize(replace(model, targets=targets), loads).twists)
     return Loop(np.array([[float(x) for x in imposed.twist] for imposed in cone.twists]), np.array(motions))
 
@@ -518,8 +518,8 @@ def test_v_falls_at_the_certified_rate_under_sampled_loads(text: str, rule: str,
     scene = array(text, rule, loads, tmp_path)
     feedback = certified(scene)
     assert feedback.certified_kappa is not None
-    seen = loop_of(scene, feedback.cones[0]).worst(np.random.default_rng(1))
-    assert seen <= -float(feedback.certified_kappa) * (1 - SLACK)
+    worst = loop_of(scene, feedback.cones[0]).worst(np.random.default_rng(1))
+    assert worst <= -float(feedback.certified_kappa) * (1 - SLACK)
 
 
 def test_the_law_of_level_springs_fails_where_the_law_for_every_load_works(tmp_path: Path) -> None:
@@ -605,8 +605,8 @@ def minimum(driven: ContactRows) -> Floats:
     """The minimizer of D for equal loads, by a general method."""
     from scipy.optimize import minimize
 
-    found = minimize(lambda xi: np.hypot(*driven.slips(xi).T).sum(), np.zeros(3), method="Nelder-Mead", tol=1e-12)
-    point: Floats = found.x
+    solution = minimize(lambda xi: np.hypot(*driven.slips(xi).T).sum(), np.zeros(3), method="Nelder-Mead", tol=1e-12)
+    point: Floats = solution.x
     return point
 
 

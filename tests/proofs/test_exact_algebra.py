@@ -112,14 +112,14 @@ def test_roots_of_different_polynomials_are_told_apart() -> None:
     cubic = [FIELD(-2), FIELD(0), FIELD(0), FIELD(1)]  # 2^(1/3)
     near = minus(Fraction(125992, 100000))
     several = [*positive_roots(cubic), *positive_roots(product(cubic, minus(5))), *positive_roots(near)]
-    found = separated(several)
-    assert len(found) == 3
-    assert all(a.high <= b.low for a, b in pairwise(found))
-    assert found[0].exact() == Fraction(125992, 100000)
-    assert found[1].exact() is None
-    assert found[1].sign_of(near) == 1
-    assert found[1].sign_of(product(cubic, minus(7))) == 0
-    assert found[1].sign_of([]) == 0
+    roots = separated(several)
+    assert len(roots) == 3
+    assert all(a.high <= b.low for a, b in pairwise(roots))
+    assert roots[0].exact() == Fraction(125992, 100000)
+    assert roots[1].exact() is None
+    assert roots[1].sign_of(near) == 1
+    assert roots[1].sign_of(product(cubic, minus(7))) == 0
+    assert roots[1].sign_of([]) == 0
 
 
 def test_a_bound_with_none_or_two_roots_is_refused() -> None:
@@ -173,9 +173,9 @@ def test_close_roots_of_many_polynomials_are_told_apart_with_little_work(monkeyp
     monkeypatch.setattr(RealRoot, "halved", counted)
     scale = 10**8
     curves = [[field(k * (k + 1)), field(-scale * (2 * k + 1)), field(scale**2)] for k in range(1, 40)]
-    found = separated(root for curve in curves for root in positive_roots(curve))
-    assert [sum(root.low < Fraction(k, scale) < root.high for root in found) for k in range(1, 41)] == [1] * 40
-    assert len(found) == 40
+    roots = separated(root for curve in curves for root in positive_roots(curve))
+    assert [sum(root.low < Fraction(k, scale) < root.high for root in roots) for k in range(1, 41)] == [1] * 40
+    assert len(roots) == 40
     assert halvings < 100 * 78
 
 
@@ -197,13 +197,13 @@ CIRCLE = 5.0  # x^2 + y^2 = 5 meets x y = 2 at (2, 1) and (1, 2)
 
 def test_definite_matrices_are_those_with_positive_eigenvalues() -> None:
     rng = np.random.default_rng(1)
-    found = []
+    answers = []
     for _ in range(200):
         entries = rng.integers(-4, 6, (3, 3))
         matrix = entries + entries.T + 4 * np.eye(3, dtype=int)
-        found.append(is_positive_definite(matrix.tolist()))
-        assert found[-1] == (np.linalg.eigvalsh(matrix).min() > 1e-9)
-    assert 20 < sum(found) < 180
+        answers.append(is_positive_definite(matrix.tolist()))
+        assert answers[-1] == (np.linalg.eigvalsh(matrix).min() > 1e-9)
+    assert 20 < sum(answers) < 180
 
 
 def test_a_matrix_of_balls_is_definite_only_if_all_members_are() -> None:
@@ -507,10 +507,10 @@ def test_proposals_over_many_roots_are_verified_and_equal_the_exact_optimum(seed
     columns = [(entry(), entry(), field.one) for _ in range(count)]
     prices = [entry() for _ in range(count)]
     target = (field.zero, field.zero, field.one)
-    found = best_mixture(columns, target, prices)
+    mixture = best_mixture(columns, target, prices)
     matrix = np.array([[float(x) for x in column] for column in columns]).T
     reference = linprog([-float(p) for p in prices], A_eq=matrix, b_eq=[0, 0, 1])
-    assert (found is None) == (reference.status == 2)
-    if found is not None:
-        assert found.check(columns, target, prices)
-        assert float(found.value) == pytest.approx(-reference.fun, abs=1e-9)
+    assert (mixture is None) == (reference.status == 2)
+    if mixture is not None:
+        assert mixture.check(columns, target, prices)
+        assert float(mixture.value) == pytest.approx(-reference.fun, abs=1e-9)

@@ -260,14 +260,14 @@ def repels(evidence: MoveEvidence, rays: list[Vector], motions: list[tuple[int |
 
 
 def test_random_fans_meet_every_verdict_and_every_escape_can_be_simulated() -> None:
-    seen, escapes = Counter[Translation](), 0
+    counts, escapes = Counter[Translation](), 0
     for seed in FANS:
         rays, motions = random_fan(seed)
         result = decide(rays, motions)
-        seen[result.verdict] += 1
+        counts[result.verdict] += 1
         if result.verdict is Translation.UNSTABLE:
             escapes += any(not repels(evidence, rays, motions) for evidence in result.evidence)
-    assert seen == {Translation.UNSTABLE: 55, Translation.ASYMPTOTICALLY_STABLE: 23, Translation.STABLE: 3}
+    assert counts == {Translation.UNSTABLE: 55, Translation.ASYMPTOTICALLY_STABLE: 23, Translation.STABLE: 3}
     assert escapes == 55
 
 

@@ -76,8 +76,8 @@ def law_coefficients(data: InputCell, point: tuple[Number, Number], theta: Numbe
 @thorough  # about all random cases, which `make bench` runs
 def test_both_verdicts_occur_among_the_random_arrays_and_nearly_all_cells_have_a_lever(arrays: Arrays) -> None:
     results = [decide(cocircular(seed)) for seed in SEEDS]
-    seen = Counter((result.verdict, result.has_lyapunov) for result in results)
-    assert seen == {
+    counts = Counter((result.verdict, result.has_lyapunov) for result in results)
+    assert counts == {
         (Feedback.STABILIZABLE, True): 36,
         (Feedback.STABILIZABLE, False): 3,
         (Feedback.NO_CERTIFICATE, False): 1,
@@ -186,8 +186,8 @@ def test_the_criterion_agrees_with_brute_force(arrays: Arrays, seed: int) -> Non
 
 @thorough  # about all random cases, which `make bench` runs
 def test_the_random_arrays_show_both_verdicts(arrays: Arrays) -> None:
-    found = {decide(cocircular(seed)).verdict for seed in SEEDS}
-    assert found == {Feedback.STABILIZABLE, Feedback.NO_CERTIFICATE}
+    verdicts = {decide(cocircular(seed)).verdict for seed in SEEDS}
+    assert verdicts == {Feedback.STABILIZABLE, Feedback.NO_CERTIFICATE}
 
 
 @pytest.mark.parametrize(
@@ -448,12 +448,12 @@ class Literal:
 
     def distances(self, c: Matrix) -> Matrix:
         """Of c from each closed cone."""
-        (a, b), found = np.moveaxis(self.rays, 1, 0), []
+        (a, b), lengths = np.moveaxis(self.rays, 1, 0), []
         for start, end in zip(a, b, strict=True):
             inside = np.cross([*start, 0], [*c, 0])[2] >= 0 and np.cross([*c, 0], [*end, 0])[2] >= 0
             feet = [ray * max(0.0, c @ ray) / (ray @ ray) for ray in (start, end)]
-            found.append(0.0 if inside else min(float(np.hypot(*(c - foot))) for foot in feet))
-        return np.array(found)
+            lengths.append(0.0 if inside else min(float(np.hypot(*(c - foot))) for foot in feet))
+        return np.array(lengths)
 
     def decrease(self, cells: NDArray[np.intp], c: Matrix, tau: float) -> float:
         """Largest t with ``alpha . u <= -t`` for the unit covectors of all cells, and ``|u_w| <= 1``."""

@@ -127,10 +127,10 @@ def written(rhs: list[str], cells: Record, function: str, **more: Any) -> Record
         NotShownError: where a claim of it is not shown.
     """
     subject = {"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]}
-    own = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
-    hypotheses = {"cells": cells, "function": function, "second": None, **own, **more}
-    entry, shown = Search().entry(read_system(subject), "lyapunov", hypotheses)
-    return {"version": VERSION, "statement": {"subject": subject, "claims": shown}, "evidence": [entry]}
+    defaults = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
+    hypotheses = {"cells": cells, "function": function, "second": None, **defaults, **more}
+    entry, claims = Search().entry(read_system(subject), "lyapunov", hypotheses)
+    return {"version": VERSION, "statement": {"subject": subject, "claims": claims}, "evidence": [entry]}
 
 
 UPPER = "(1 + sign(y - x))*(1 + sign(y + x))/4"  # the quarter about the upper half of the axis
@@ -185,8 +185,8 @@ def subject_of(*rhs: str) -> dict[str, Any]:
 
 
 def attracts(cells: Cells, function: Any, **more: Any) -> dict[str, Any]:
-    told = {"second": None, "everywhere": False, "level": None, "below": False, "rate": None, **more}
-    return {"cells": cells, "function": function, "verdict": "asymptotically stable", **told}
+    defaults = {"second": None, "everywhere": False, "level": None, "below": False, "rate": None, **more}
+    return {"cells": cells, "function": function, "verdict": "asymptotically stable", **defaults}
 
 
 def asked(rhs: tuple[str, ...], hypotheses: dict[str, Any]) -> Believed:
@@ -214,8 +214,8 @@ def test_claims_are_compared_as_json() -> None:
     """Python takes 0 for False; a reader of the file need not."""
     about = subject_of("1 + sign(x)/2")
     hypotheses = {"cells": {"within": "1", "surfaces": ["x"], "empty": []}, "direction": ["1"]}
-    entry, shown = Search().entry(read_system(about), "departure", hypotheses)
-    assert {"equilibrium": False} in shown
+    entry, claims = Search().entry(read_system(about), "departure", hypotheses)
+    assert {"equilibrium": False} in claims
     for value, accepted in ((False, True), (0, False)):
         statement = {"subject": about, "claims": [{"equilibrium": value}]}
         certificate = {"version": VERSION, "statement": statement, "evidence": [entry]}
@@ -298,16 +298,18 @@ def test_the_oracle_of_further_functions_sees_another_system() -> None:
 
 def other_claim(original: Record, source: random.Random) -> Record:
     """A certificate of which one word or number of a claim is another one of its kind."""
-    found = copy.deepcopy(original)
-    claim = source.choice(found["statement"]["claims"])
+    forged = copy.deepcopy(original)
+    claim = source.choice(forged["statement"]["claims"])
     ((kind, about),) = claim.items()
-    numbers = [(own, key) for own, key in leaves(claim) if isinstance(own[key], str) and is_number(own[key])]
+    numbers = [
+        (holder, key) for holder, key in leaves(claim) if isinstance(holder[key], str) and is_number(holder[key])
+    ]
     if isinstance(about, str) and kind in OTHER:
         claim[kind] = source.choice([word for word in OTHER[kind] if word != about])
     elif numbers:
-        own, key = source.choice(numbers)
-        own[key] = source.choice(other_numbers(own[key], source))
-    return found
+        holder, key = source.choice(numbers)
+        holder[key] = source.choice(other_numbers(holder[key], source))
+    return forged
 
 
 OTHER = {

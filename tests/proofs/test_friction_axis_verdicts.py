@@ -82,10 +82,10 @@ def test_linearization_by_differences_of_the_minimizer(seed: int, rule: str) -> 
     about = STEP * np.array([[1, 0], [-1, 0], [0, 1], [0, -1.0]])
     twists = minima_under(smooth_rule_of(result.scene), result.scene, about).twists
     rates = twists[:, :2] + twists[:, 2:] * np.column_stack([-about[:, 1], about[:, 0]])
-    found = np.column_stack([rates[0] - rates[1], rates[2] - rates[3]]) / (2 * STEP)
+    matrix = np.column_stack([rates[0] - rates[1], rates[2] - rates[3]]) / (2 * STEP)
     exact = np.array([[float(entry) for entry in row] for row in linear.translation])
-    assert found == pytest.approx(exact, abs=1e-4 * max(1.0, np.abs(exact).max()))
-    unstable = np.linalg.eigvals(found).real.max()
+    assert matrix == pytest.approx(exact, abs=1e-4 * max(1.0, np.abs(exact).max()))
+    unstable = np.linalg.eigvals(matrix).real.max()
     if abs(unstable) > 1e-3:
         stable = result.translation.verdict is Translation.ASYMPTOTICALLY_STABLE
         assert stable == (unstable < 0)
@@ -103,10 +103,10 @@ def test_free_rollers_get_the_verdicts_of_rims_along_their_axes(rule: str) -> No
     scene = load_scene("mecanum-4", rule=rule)
     plain = with_rims_along_axes(scene)
     assert plain is not None
-    own, other = check_theorem4(scene), check_theorem4(plain)
-    assert own.check()
-    assert [found.verdict for _, found in own.clauses] == [found.verdict for _, found in other.clauses]
-    assert own.verdict == other.verdict
+    result, other = check_theorem4(scene), check_theorem4(plain)
+    assert result.check()
+    assert [clause.verdict for _, clause in result.clauses] == [clause.verdict for _, clause in other.clauses]
+    assert result.verdict == other.verdict
 
 
 @pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])
@@ -115,13 +115,13 @@ def test_the_speeds_of_a_law_for_mecanum_wheels_are_the_textbooks(rule: str) -> 
     feedback = check_theorem4(scene).feedback
     assert isinstance(feedback, DrivenFeedback)
     assert feedback.verdict is Feedback.STABILIZABLE
-    own = in_own_length(scene)
+    rescaled = in_own_length(scene)
     reach = 3 / float(scene.check.length)
     for imposed in feedback.cones[0].twists:
         vx, vy, omega = (float(x) for x in imposed.twist)
         signs = [(-1, -1), (1, -1), (-1, 1), (1, 1)]
         textbook = [vx + a * vy + b * reach * omega for a, b in signs]
-        assert rim_speeds(own, imposed) == pytest.approx(textbook)
+        assert rim_speeds(rescaled, imposed) == pytest.approx(textbook)
 
 
 @few(2)
@@ -217,9 +217,9 @@ def test_a_slip_across_the_axis_alone_leaves_a_roller_s_force_open() -> None:
     scene = ns.Array(wheels, mu_roll=1, mu_side="1/4", rule="roller", radius="1/4").scene
     result = check_smooth(scene)
     assert result.check()
-    found = result.equilibrium.point
-    assert found.held == ()
-    assert found.situation is Situation.OPEN
+    point = result.equilibrium.point
+    assert point.held == ()
+    assert point.situation is Situation.OPEN
 
 
 # ---- Rule ``nearest`` with rows without friction: what the clauses say where no pair of wheels decides the motion.
@@ -318,6 +318,6 @@ def test_a_free_side_row_far_away_changes_nothing(arrays: Arrays) -> None:
         friction=(1, Fraction(1, 2)),
     )
     before, after = check_cells(scene), check_cells(extended)
-    assert [found.verdict for _, found in before.clauses] == [found.verdict for _, found in after.clauses]
+    assert [clause.verdict for _, clause in before.clauses] == [clause.verdict for _, clause in after.clauses]
     assert len(before.partition.cells) == len(after.partition.cells)
     assert said(build_certificate(after))["theorem 4"] == "holds"

@@ -137,9 +137,9 @@ def test_roots_are_taken_with_the_weights_as_orders() -> None:
         (built(["y", "-2*sgn(x) - sgn(y)"]), (2, 1)),
         (built(["-Abs(x)**(2/3)*sgn(x)"]), (3,)),
     ):
-        seen = seen_in_roots(system, homogeneity_of(system))
-        assert seen is not None
-        assert (seen.orders, seen.degree) == (orders, -1)
+        in_roots = seen_in_roots(system, homogeneity_of(system))
+        assert in_roots is not None
+        assert (in_roots.orders, in_roots.degree) == (orders, -1)
     for rhs in (["y", "-x - y"], ["y + x**2", "-sgn(x)"], ["-sgn(x)", "-sgn(y)"]):
         assert seen_in_roots(built(rhs), homogeneity_of(built(rhs))) is None
 
@@ -189,11 +189,15 @@ def test_no_path_takes_longer_than_the_time_of_arrival(rhs: list[str], loss: flo
     assert max(shares) > 1 / loss
     certificate = certificate_of(result)
     assert refused(certificate) == ""
-    (said,) = [own["arrives"] for own in certificate["statement"]["claims"] if isinstance(own.get("arrives"), dict)]
-    assert Fraction(said["factor"]) == arrival.factor
-    said["factor"] = str(arrival.factor * Fraction(99, 100))
+    (claim,) = [
+        claim["arrives"] for claim in certificate["statement"]["claims"] if isinstance(claim.get("arrives"), dict)
+    ]
+    assert Fraction(claim["factor"]) == arrival.factor
+    claim["factor"] = str(arrival.factor * Fraction(99, 100))
     assert refused(certificate).startswith("evidence of the claim")
-    numbers = next(own["hypotheses"]["arrival"] for own in certificate["evidence"] if "arrival" in own["hypotheses"])
+    numbers = next(
+        entry["hypotheses"]["arrival"] for entry in certificate["evidence"] if "arrival" in entry["hypotheses"]
+    )
     for key, part in (("speed", Fraction(5, 4)), ("above", Fraction(1, 2))):
         stated = numbers[key]
         numbers[key] = str(Fraction(stated) * part)

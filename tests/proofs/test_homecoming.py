@@ -152,10 +152,10 @@ POINTS = 200
 
 
 def translation_of(scene: Scene) -> EllipseTranslation:
-    found = check_theorem4(scene, beside=False).results["translation"]
-    assert isinstance(found, EllipseTranslation)
-    assert evidence_holds(found)
-    return found
+    translation = check_theorem4(scene, beside=False).results["translation"]
+    assert isinstance(translation, EllipseTranslation)
+    assert evidence_holds(translation)
+    return translation
 
 
 def largest_product(scene: Scene, radius: float, seed: int = 5) -> float:
@@ -173,17 +173,17 @@ def largest_product(scene: Scene, radius: float, seed: int = 5) -> float:
 @pytest.mark.parametrize("name", INWARD)
 def test_the_distance_falls_all_over_the_disc(name: str, rule: str) -> None:
     scene = load_scene(name, rule=rule)
-    found = translation_of(scene)
-    assert found.home_radius is not None
-    assert found.home_radius == scene.check.radius
-    assert largest_product(scene, float(found.home_radius)) < 0
+    translation = translation_of(scene)
+    assert translation.home_radius is not None
+    assert translation.home_radius == scene.check.radius
+    assert largest_product(scene, float(translation.home_radius)) < 0
 
 
 def test_a_spin_at_the_point_does_not_matter() -> None:
     scene = load_scene("spiral-30", rule="ellipse")
-    found = translation_of(scene)
-    assert found.home_radius is not None
-    assert largest_product(scene, float(found.home_radius)) < 0
+    translation = translation_of(scene)
+    assert translation.home_radius is not None
+    assert largest_product(scene, float(translation.home_radius)) < 0
 
 
 @few(4)
@@ -191,13 +191,13 @@ def test_a_spin_at_the_point_does_not_matter() -> None:
 def test_no_disc_is_claimed_where_the_distance_may_grow(name: str) -> None:
     """Every built-in scene: where a minimizer moves outward, no disc reaches there; a body that is carried stays."""
     scene = load_scene(name, rule="ellipse")
-    found = check_theorem4(scene, beside=False).results["translation"]
-    if not isinstance(found, EllipseTranslation) or found.home_radius is not None:
-        assert found.verdict is Translation.ASYMPTOTICALLY_STABLE
-    elif found.point.situation is Situation.CARRIED:
-        assert found.region_radius is None or abs(largest_product(scene, float(found.region_radius))) < 1e-9
+    translation = check_theorem4(scene, beside=False).results["translation"]
+    if not isinstance(translation, EllipseTranslation) or translation.home_radius is not None:
+        assert translation.verdict is Translation.ASYMPTOTICALLY_STABLE
+    elif translation.point.situation is Situation.CARRIED:
+        assert translation.region_radius is None or abs(largest_product(scene, float(translation.region_radius))) < 1e-9
     else:
-        assert found.region_radius is None
+        assert translation.region_radius is None
 
 
 @pytest.mark.parametrize(("name", "radius"), keep(1, [("ring-6", Fraction(3, 5)), ("grid-4x4", Fraction(5, 4))]))
@@ -205,16 +205,16 @@ def test_the_disc_ends_where_a_spring_lifts_off(name: str, radius: Fraction) -> 
     """Beyond, the loads have another form: the disc is no larger than the part of the square that holds the point."""
     base = load_scene(name, rule="ellipse")
     wide = replace(base, check=replace(base.check, radius=base.field(radius)))
-    found = translation_of(wide)
-    assert found.home_radius is not None
-    assert 0 < found.home_radius < wide.check.radius
-    assert largest_product(wide, float(found.home_radius)) < 0
+    translation = translation_of(wide)
+    assert translation.home_radius is not None
+    assert 0 < translation.home_radius < wide.check.radius
+    assert largest_product(wide, float(translation.home_radius)) < 0
 
 
 def test_another_disc_is_refused() -> None:
-    found = translation_of(load_scene("four-wheel", rule="ellipse"))
-    assert found.home_radius is not None
-    assert not evidence_holds(replace(found, region_radius=found.home_radius * 2))
+    translation = translation_of(load_scene("four-wheel", rule="ellipse"))
+    assert translation.home_radius is not None
+    assert not evidence_holds(replace(translation, region_radius=translation.home_radius * 2))
     saddle = translation_of(load_scene("elliptic", rule="ellipse"))
     assert saddle.home_radius is None
     assert not evidence_holds(replace(saddle, region_radius=saddle.point.scene.check.radius))
@@ -238,8 +238,8 @@ FIVE_OF_EACH = (0, 1, 3, 4, 5, 2, 14, 28, 31, 32)  # arrays that lose their stab
 
 
 def translation_at(scene: Scene) -> EllipseTranslation:
-    own = scene.recentred()
-    return decide_translation_at(ellipse_point(own, load_regions(own, own.check.equilibrium)), None)
+    recentred = scene.recentred()
+    return decide_translation_at(ellipse_point(recentred, load_regions(recentred, recentred.check.equilibrium)), None)
 
 
 def limit_of(scene: Scene) -> MassLimit | None:
@@ -248,15 +248,15 @@ def limit_of(scene: Scene) -> MassLimit | None:
 
 def growth(scene: Scene, omega: float, mass: float) -> float:
     """The largest real part of the eigenvalues of the equations that full dynamics integrates, theta left out."""
-    own = scene.recentred()
-    model = contact_model(own)
+    recentred = scene.recentred()
+    model = contact_model(recentred)
     state = np.array([0.0, 0.0, 0.0, 0.0, 0.0, omega])
     radius = np.sqrt(((model.positions - model.positions.mean(axis=0)) ** 2).sum(axis=1).mean() / 2)
     loads = MovingLoads(model, state[:2])
     equations = NewtonEuler(model, RigidBody(mass, mass * radius**2), loads, CREEP * float(np.abs(model.targets).max()))
     matrix = equations.jacobian(0.0, state)
-    kept = [0, 1, 3, 4, 5]
-    return float(np.linalg.eigvals(matrix[np.ix_(kept, kept)]).real.max())
+    states = [0, 1, 3, 4, 5]
+    return float(np.linalg.eigvals(matrix[np.ix_(states, states)]).real.max())
 
 
 def test_the_spiral_loses_stability_where_the_jacobian_says() -> None:
@@ -365,11 +365,11 @@ def test_forged_limits_are_refused() -> None:
 
 def test_limits_of_another_array_are_refused() -> None:
     """The same numbers, with another radius: true by chance, as the spin decouples, and not of this array."""
-    found = translation_at(SPIRAL.scene)
-    assert found.mass is not None
-    assert evidence_holds(found)
-    other = replace(found.mass, squared_radius=found.mass.squared_radius * 2)
-    assert not evidence_holds(replace(found, mass=other))
+    translation = translation_at(SPIRAL.scene)
+    assert translation.mass is not None
+    assert evidence_holds(translation)
+    other = replace(translation.mass, squared_radius=translation.mass.squared_radius * 2)
+    assert not evidence_holds(replace(translation, mass=other))
 
 
 @pytest.mark.parametrize(("length", "metres", "speed"), keep(1, [("mm", 0.001, 1), ("m", 1, 1), ("m", 1, 10)]))

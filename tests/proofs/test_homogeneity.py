@@ -44,11 +44,11 @@ NOT = [
 
 @pytest.mark.parametrize(("rhs", "weights", "degree"), KNOWN)
 def test_weights_and_degrees_are_known(rhs: list[str], weights: list[str], degree: str) -> None:
-    found = homogeneity_of(built(rhs))
-    assert found is not None
-    scale = Fraction(weights[0]) / found.weights[0]
-    assert [w * scale for w in found.weights] == list(map(Fraction, weights))
-    assert found.degree * scale == Fraction(degree)
+    homogeneity = homogeneity_of(built(rhs))
+    assert homogeneity is not None
+    scale = Fraction(weights[0]) / homogeneity.weights[0]
+    assert [w * scale for w in homogeneity.weights] == list(map(Fraction, weights))
+    assert homogeneity.degree * scale == Fraction(degree)
 
 
 @pytest.mark.parametrize("rhs", NOT)
@@ -65,17 +65,17 @@ def test_formulas_scale_as_it_is_said(count: int) -> None:
     rng, found = np.random.default_rng(0), 0
     for _ in range(count):
         rhs = [" + ".join(f"{rng.integers(1, 4)}*{t}" for t in rng.choice(TERMS, rng.integers(1, 3))) for _ in "xy"]
-        own = homogeneity_of(built(rhs))
-        if own is not None:
+        homogeneity = homogeneity_of(built(rhs))
+        if homogeneity is not None:
             places = rng.uniform(-2, 2, (2, 50))
-            sizes = np.array([[1.7 ** float(weight)] for weight in own.weights])
-            dilated = velocity(rhs, places) * sizes * 1.7 ** float(own.degree)
+            sizes = np.array([[1.7 ** float(weight)] for weight in homogeneity.weights])
+            dilated = velocity(rhs, places) * sizes * 1.7 ** float(homogeneity.degree)
             assert velocity(rhs, places * sizes) == pytest.approx(dilated, rel=1e-12, abs=1e-12)
             found += 1
     assert count / 6 < found < 5 * count / 6
 
 
-ARRIVING = [own for own, _, degree in KNOWN if degree.startswith("-")]
+ARRIVING = [rhs for rhs, _, degree in KNOWN if degree.startswith("-")]
 
 
 @few(2)
@@ -87,7 +87,7 @@ def test_every_start_arrives(rhs: list[str]) -> None:
     record = certificate_of(result)
     assert refused(record) == ""
     claims = record["statement"]["claims"]
-    finite = any(own.get("rate", {}).get("kind") == "finite" for own in claims)
+    finite = any(claim.get("rate", {}).get("kind") == "finite" for claim in claims)
     assert {"attracts": "everywhere"} in claims
     assert finite or {"arrives": "in finite time"} in claims
     assert not any("finite time" in line for line in left_out(record))
@@ -111,5 +111,9 @@ def test_the_answer_says_why(capsys: pytest.CaptureFixture[str]) -> None:
     text = " ".join(capsys.readouterr().out.replace("│", " ").split())
     assert "in finite time" in text
     assert "homogeneous of degree -1 with the weights x: 2, y: 1" in text
-    own = check.to_dict()["homogeneous"]
-    assert (own["weights"], own["exact"]["weights"], own["degree"]) == ([2.0, 1.0], ["2", "1"], -1.0)
+    homogeneity = check.to_dict()["homogeneous"]
+    assert (homogeneity["weights"], homogeneity["exact"]["weights"], homogeneity["degree"]) == (
+        [2.0, 1.0],
+        ["2", "1"],
+        -1.0,
+    )

@@ -16,7 +16,7 @@ from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.derivatives import Staying, decide_staying, resting_place
+from nonsmooth.proofs.systems.derivatives import InvariantMotion, decide_invariant_motion, resting_place
 from nonsmooth.proofs.systems.domain import given_cells
 from nonsmooth.proofs.systems.findings import KEPT, Method
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
@@ -43,28 +43,28 @@ def with_v(system: SwitchedSystem, lyapunov: str) -> SwitchedSystem:
     return replace(system, check=replace(system.check, lyapunov=parsed, is_default=False))
 
 
-def staying(system: SwitchedSystem, share: int = 1) -> Staying:
+def staying(system: SwitchedSystem, share: int = 1) -> InvariantMotion:
     """Of the scene's V, on a part of the checked square."""
     radius = system.check.radius / share
-    return decide_staying(system, system.check.lyapunov, radius, given_cells(system, radius))
+    return decide_invariant_motion(system, system.check.lyapunov, radius, given_cells(system, radius))
 
 
 @pytest.mark.parametrize(
     ("friction", "potential", "known"),
     keep(8, [
-        ("x + y**3", "x**2/2", Staying.NONE),
-        ("sign(x) + y", "Abs(x)", Staying.NONE),
-        ("sign(x) + sign(y)*y**2", "Abs(x)", Staying.NONE),
-        ("x + sign(y)", "x**2/2", Staying.RESTS),  # Coulomb: a segment of rest
-        ("x - 4*x**3 + y", "x**2/2 - x**4", Staying.RESTS),  # the pendulum's other equilibrium on the border
-        ("x + relu(y - 1/8)", "x**2/2", Staying.CELLS),  # closed orbits below the dead zone
-        ("x + y*(x**2 + y**2 - 1/16)**2", "x**2/2", Staying.ARC),  # a limit cycle on the circle where V' = 0
-        ("x + y*(1 + sign(x**2 + y**2 - 1/16))", "x**2/2", Staying.CELLS),
-        ("x + relu(y)**3", "x**2/2", Staying.NONE),  # a quarter without friction, which solutions cross
-        ("x + relu(x)*y", "x**2/2", Staying.NONE),
+        ("x + y**3", "x**2/2", InvariantMotion.NONE),
+        ("sign(x) + y", "Abs(x)", InvariantMotion.NONE),
+        ("sign(x) + sign(y)*y**2", "Abs(x)", InvariantMotion.NONE),
+        ("x + sign(y)", "x**2/2", InvariantMotion.RESTS),  # Coulomb: a segment of rest
+        ("x - 4*x**3 + y", "x**2/2 - x**4", InvariantMotion.RESTS),  # the pendulum's other equilibrium on the border
+        ("x + relu(y - 1/8)", "x**2/2", InvariantMotion.CELLS),  # closed orbits below the dead zone
+        ("x + y*(x**2 + y**2 - 1/16)**2", "x**2/2", InvariantMotion.ARC),  # a limit cycle on the circle where V' = 0
+        ("x + y*(1 + sign(x**2 + y**2 - 1/16))", "x**2/2", InvariantMotion.CELLS),
+        ("x + relu(y)**3", "x**2/2", InvariantMotion.NONE),  # a quarter without friction, which solutions cross
+        ("x + relu(x)*y", "x**2/2", InvariantMotion.NONE),
     ]),
 )  # fmt: skip
-def test_what_stays(load: Load, friction: str, potential: str, known: Staying) -> None:
+def test_what_stays(load: Load, friction: str, potential: str, known: InvariantMotion) -> None:
     assert staying(with_v(load("y", f"-({friction})"), f"y**2/2 + {potential}")) is known
 
 
@@ -74,7 +74,7 @@ BANG_BANG = "Abs(x + y*Abs(y)/3) + y**2/2"
 def test_a_curve_of_switching_attracts(load: Load) -> None:
     """V bends on a curve, along which solutions of the double integrator switch once: known since Pontryagin."""
     system = with_v(load("y", "-sign(x + y*Abs(y)/3)"), BANG_BANG)
-    assert staying(system) is Staying.NONE
+    assert staying(system) is InvariantMotion.NONE
     assert audit(system, BANG_BANG).proves is Translation.ASYMPTOTICALLY_STABLE
     for orbits in (load("y", "-x"), load("-sign(y)", "sign(x)")):
         potential = "x**2 + y**2" if orbits.rhs[0].text == "y" else "Abs(x) + Abs(y)"
@@ -196,11 +196,11 @@ def test_random_oscillators_against_paths(load: Load, seed: int) -> None:
     system = with_v(load("y", f"-({force}) - ({friction})"), f"y**2/2 + {ENERGIES[force]}")
     found = staying(system, 2)
     lost, moving = energy_lost(force, friction, ENERGIES[force], 2e-2)
-    if found is Staying.NONE:
+    if found is InvariantMotion.NONE:
         assert lost > 1e-4
         assert moving
     if lost < 1e-6 or not moving:
-        assert found is not Staying.NONE
+        assert found is not InvariantMotion.NONE
 
 
 KEPT_V = [
@@ -230,7 +230,7 @@ def test_a_v_that_solutions_keep_refutes_attraction(rhs: list[str]) -> None:
 @pytest.mark.parametrize(("rhs", "lyapunov"), NOT_KEPT)
 def test_another_v_does_not(rhs: list[str], lyapunov: str | None) -> None:
     result = decide_system(ns.System(["x", "y"], rhs, lyapunov=lyapunov).system)
-    assert not any(own.refutes == KEPT for own in result.findings)
+    assert not any(finding.refutes == KEPT for finding in result.findings)
 
 
 # ---- LaSalle's principle under arbitrary switching: counterexamples to asking the fields one by one, and signals
@@ -239,7 +239,7 @@ def test_another_v_does_not(rhs: list[str], lyapunov: str | None) -> None:
 Fields = list[list[str]]
 
 SIGNAL_STEP, SIGNAL_STEPS, NEAR = 1 / 128, 1_800, 1e-6  # somewhat more than two turns
-BESIDE_X, BESIDE_Y = (NEAR * np.array([own]).T for own in ((1, -1, 0, 0), (0, 0, 1, -1)))
+BESIDE_X, BESIDE_Y = (NEAR * np.array([offsets]).T for offsets in ((1, -1, 0, 0), (0, 0, 1, -1)))
 DISC = "x**2 + y**2"
 AGAINST = [[f"{turn}*y - x*(x - 2*y)**2", f"{-turn}*x - y*(x - 2*y)**2"] for turn in (1, -1)]
 
@@ -249,7 +249,7 @@ def system_of(fields: Fields, lyapunov: str | None = None) -> SwitchedSystem:
     return built(fields, radius="1/2", **check)
 
 
-def staying_under(fields: Fields, lyapunov: str) -> Staying:
+def staying_under(fields: Fields, lyapunov: str) -> InvariantMotion:
     return staying(system_of(fields, lyapunov))
 
 
@@ -257,25 +257,25 @@ def staying_under(fields: Fields, lyapunov: str) -> Staying:
 @pytest.mark.parametrize(
     ("fields", "lyapunov", "found"),
     [
-        ([["y", "-x - y**3"], ["y", "-x - 2*y**3"]], DISC, Staying.NONE),
-        ([["y", "-x - y**3"], ["2*y", "-2*x - y"]], DISC, Staying.NONE),
-        ([["y", "-x - relu(x)*y"], ["y", "-x - y"]], DISC, Staying.NONE),  # a half without friction is crossed
-        ([["y", "-sign(x) - y**3"], ["y", "-sign(x) - y"]], "Abs(x) + y**2/2", Staying.NONE),
-        ([["y", "-x - y"], ["y", "-x - y*Abs(y)"], ["2*y", "-2*x - y"]], DISC, Staying.NONE),
+        ([["y", "-x - y**3"], ["y", "-x - 2*y**3"]], DISC, InvariantMotion.NONE),
+        ([["y", "-x - y**3"], ["2*y", "-2*x - y"]], DISC, InvariantMotion.NONE),
+        ([["y", "-x - relu(x)*y"], ["y", "-x - y"]], DISC, InvariantMotion.NONE),  # a half without friction is crossed
+        ([["y", "-sign(x) - y**3"], ["y", "-sign(x) - y"]], "Abs(x) + y**2/2", InvariantMotion.NONE),
+        ([["y", "-x - y"], ["y", "-x - y*Abs(y)"], ["2*y", "-2*x - y"]], DISC, InvariantMotion.NONE),
         # either attracts alone, and either turns out of the half in which it keeps V: together they keep it
-        ([["y", "-x - relu(x)*y"], ["y", "-x - relu(-x)*y"]], DISC, Staying.CELLS),
+        ([["y", "-x - relu(x)*y"], ["y", "-x - relu(-x)*y"]], DISC, InvariantMotion.CELLS),
         # either attracts alone; they turn in two senses, and rest together on y = 0
-        ([["y", "-x - y"], ["-y", "x - y"]], DISC, Staying.RESTS),
-        ([["y", "-x - y"], ["-2*y", "2*x - 3*y"], ["y", "-x - y**3"]], DISC, Staying.RESTS),
+        ([["y", "-x - y"], ["-y", "x - y"]], DISC, InvariantMotion.RESTS),
+        ([["y", "-x - y"], ["-2*y", "2*x - 3*y"], ["y", "-x - y**3"]], DISC, InvariantMotion.RESTS),
         # the same on x = 2 y, inside of cells: each field leaves that line, but they are opposed there
-        (AGAINST, DISC, Staying.UNDECIDED),
-        ([AGAINST[0], ["y - x*(x - 2*y)**2", "-x - 2*y*(x - 2*y)**2"]], DISC, Staying.NONE),
-        ([["y", "-x"], ["y", "-x - y"]], DISC, Staying.CELLS),  # one keeps V for ever
-        ([["y", "-x - y"], ["y", "-x - sign(y)"]], DISC, Staying.RESTS),
-        ([["y", "-x - y*(x**2 + y**2 - 1/16)**2"], ["y", "-x - y"]], DISC, Staying.ARC),
+        (AGAINST, DISC, InvariantMotion.UNDECIDED),
+        ([AGAINST[0], ["y - x*(x - 2*y)**2", "-x - 2*y*(x - 2*y)**2"]], DISC, InvariantMotion.NONE),
+        ([["y", "-x"], ["y", "-x - y"]], DISC, InvariantMotion.CELLS),  # one keeps V for ever
+        ([["y", "-x - y"], ["y", "-x - sign(y)"]], DISC, InvariantMotion.RESTS),
+        ([["y", "-x - y*(x**2 + y**2 - 1/16)**2"], ["y", "-x - y"]], DISC, InvariantMotion.ARC),
     ],
 )
-def test_what_stays_under_switching(fields: Fields, lyapunov: str, found: Staying) -> None:
+def test_what_stays_under_switching(fields: Fields, lyapunov: str, found: InvariantMotion) -> None:
     assert staying_under(fields, lyapunov) is found
 
 
@@ -291,7 +291,7 @@ def test_each_attracts_where_both_do_not(steps: int, alone: int) -> None:
     ]
     for fields in pairs:
         for field in fields[:alone]:
-            assert staying_under([field], DISC) is Staying.NONE
+            assert staying_under([field], DISC) is InvariantMotion.NONE
         for field in fields:
             assert lost([field], DISC, steps) > 0.05
     assert lost(pairs[0], DISC, steps) < 1e-6
@@ -355,24 +355,24 @@ def test_random_switched_oscillators_against_signals(seed: int) -> None:
     fields = [["y", f"-{force} - {friction}"] for friction in frictions]
     found = staying_under(fields, lyapunov)
     share = lost(fields, lyapunov)
-    if found is Staying.NONE:
+    if found is InvariantMotion.NONE:
         assert share > 1e-4, fields
     if share < 1e-6:
-        assert found is not Staying.NONE, fields
+        assert found is not InvariantMotion.NONE, fields
 
 
 @pytest.mark.parametrize("count", keep(1, [14, 24]))
 def test_rests_of_several_fields_against_their_hulls(count: int) -> None:
     """Random affine fields: 0 lies between those that act at a place that is said to rest, or beside it."""
     rng = np.random.default_rng(11)
-    known = {True: 0, False: 0}
+    counts = {True: 0, False: 0}
     for _ in range(count):
         entries = rng.integers(-3, 4, size=(rng.integers(2, 4), 2, 3)) * np.array([1, 1, 2])
         entries[:, 0, 2] += 3 * rng.integers(0, 2)
         fields = [[f"{a}*x + {b}*y + {c} + sign(x)" for a, b, c in field] for field in entries.tolist()]
         system = system_of(fields)
         place = resting_place(given_cells(system, system.check.radius))
-        known[place is not None] += 1
+        counts[place is not None] += 1
         if place is None:
             continue
         x, y = map(float, place)
@@ -381,8 +381,8 @@ def test_rests_of_several_fields_against_their_hulls(count: int) -> None:
         values = np.concatenate([affine + np.array([side, side]) for side in sides])
         angles = np.sort(np.arctan2(values[:, 1], values[:, 0]))
         assert np.diff(angles, append=angles[0] + 2 * np.pi).max() <= np.pi + 1e-9 or not np.all(np.any(values, axis=1))
-    assert known[True] >= 2
-    assert known[False] >= 2
+    assert counts[True] >= 2
+    assert counts[False] >= 2
 
 
 # ---- LaSalle's principle in many states, beside observability of what slides, and paths ----------
@@ -418,11 +418,11 @@ def test_what_a_function_proves(rhs: list[str], lyapunov: str, proves: Translati
 
 def test_a_held_relay_keeps_its_oscillation() -> None:
     """The path that the principle must not overlook, and one that it decides."""
-    kept = built(["y", "-x + z", "-y - sgn(z)"])
-    end = simulate(system_field(kept, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
+    oscillator = built(["y", "-x + z", "-y - sgn(z)"])
+    end = simulate(system_field(oscillator, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
     assert np.hypot(end[0], end[1]) == pytest.approx(0.3, abs=1e-6)
-    left = built(["y", "-x - sgn(y + z)", "-z - sgn(y + z)"])
-    end = simulate(system_field(left, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
+    decaying = built(["y", "-x - sgn(y + z)", "-z - sgn(y + z)"])
+    end = simulate(system_field(decaying, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
     assert np.linalg.norm(end) < 1e-3
 
 
@@ -450,13 +450,13 @@ def test_the_check_decides_by_the_principle() -> None:
 @thorough  # the same systems by certificates: test_second_function.py
 @pytest.mark.parametrize("count", keep(1, [8, 30]))
 def test_random_dissipative_systems_against_observability(count: int) -> None:
-    known: Counter[tuple[bool, bool]] = Counter()
+    counts: Counter[tuple[bool, bool]] = Counter()
     for system in dissipative_systems(count):
         audited = audit(built(system.rhs, states=system.states), system.energy)
         if audited.proves is None:
             continue
-        known[audited.proves is ATTRACTS, system.attracts] += 1
+        counts[audited.proves is ATTRACTS, system.attracts] += 1
         assert audited.proves is not ATTRACTS or system.attracts, system.rhs
-    assert known[True, True] >= count // 8
-    assert known[False, False] >= count // 8
-    assert not known[False, True]  # complete on these
+    assert counts[True, True] >= count // 8
+    assert counts[False, False] >= count // 8
+    assert not counts[False, True]  # complete on these

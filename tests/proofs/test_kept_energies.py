@@ -125,29 +125,29 @@ LINES: dict[str, Callable[[float, float], float]] = {
 @pytest.mark.parametrize(("seed", "line"), list(product(range(12), LINES)))
 def test_random_weak_foci_are_decided_as_they_turn(seed: int, line: str) -> None:
     """Where a turn changes the distance clearly, the energy decides, and as the turn does."""
-    a, b, c = (int(own) for own in np.random.default_rng(seed).choice([-3, -2, -1, 1, 2, 3], 3))
+    a, b, c = (int(coefficient) for coefficient in np.random.default_rng(seed).choice([-3, -2, -1, 1, 2, 3], 3))
     sides = (
         lambda x, y: -y + a * x * abs(x),
         lambda x, y: x + b * y * abs(y) + c * x * y * np.sign(LINES[line](x, y)),
     )
     turned = growth_in_a_turn(sides, 1e-3)
-    said = said_by_energy(f"-y + {a}*x*Abs(x); x + {b}*y*Abs(y) + {c}*x*y*sign({line})")
-    assert said in {OPEN, GROWS if turned > 0 else FALLS}
+    verdict = said_by_energy(f"-y + {a}*x*Abs(x); x + {b}*y*Abs(y) + {c}*x*y*sign({line})")
+    assert verdict in {OPEN, GROWS if turned > 0 else FALLS}
     if abs(turned) > 2:
-        assert said != OPEN
+        assert verdict != OPEN
 
 
 @thorough
 @pytest.mark.parametrize("seed", range(40))
 def test_random_weak_foci_of_any_kind_are_never_decided_otherwise(seed: int) -> None:
     """With terms of second and third order that jump on two lines."""
-    a, b, c, d = (int(own) for own in np.random.default_rng(seed).integers(-3, 4, 4))
+    a, b, c, d = (int(coefficient) for coefficient in np.random.default_rng(seed).integers(-3, 4, 4))
     sides = (
         lambda x, y: -y + a * x * abs(y) + b * x**3,
         lambda x, y: x + c * y * y * np.sign(x - 2 * y) + d * y * x**2 * np.sign(x),
     )
     text = f"-y + {a}*x*Abs(y) + {b}*x**3; x + {c}*y**2*sign(x - 2*y) + {d}*y*x**2*sign(x)"
     turned = growth_in_a_turn(sides, 1e-3)
-    said = said_by_energy(text)
+    verdict = said_by_energy(text)
     if abs(turned) > 1e-4:
-        assert said in {OPEN, GROWS if turned > 0 else FALLS}
+        assert verdict in {OPEN, GROWS if turned > 0 else FALLS}

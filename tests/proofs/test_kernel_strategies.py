@@ -87,8 +87,8 @@ def test_a_center_manifold_has_a_rate_where_its_v_falls_everywhere() -> None:
     assert near is not None
     assert (rate.decay.name, rate.function != "") == ("ALGEBRAIC", True)
     statement = certificate_of(result)["statement"]
-    stated = [own["rate"] for own in statement["claims"] if "rate" in own]
-    assert [(own["kappa"], own["function"]) for own in stated] == [(str(rate.kappa), rate.function)]
+    stated = [claim["rate"] for claim in statement["claims"] if "rate" in claim]
+    assert [(record["kappa"], record["function"]) for record in stated] == [(str(rate.kappa), rate.function)]
     assert not contradiction(statement)
 
 
@@ -141,10 +141,10 @@ def test_what_stays_near_is_not_called_unstable(rhs: str) -> None:
 @pytest.fixture(scope="module")
 def by_factors() -> dict[str, Any]:
     system = ns.System(["x", "y"], ["y", "sign(x) - sign(y)"]).system
-    found = find_growing_product(system)
-    assert found is not None
+    entry = find_growing_product(system)
+    assert entry is not None
     statement = {"subject": about(system), "claims": [{"stability": "unstable"}]}
-    certificate = {"version": VERSION, "statement": statement, "evidence": [found]}
+    certificate = {"version": VERSION, "statement": statement, "evidence": [entry]}
     assert not refusal(certificate, SIZE)
     return certificate
 
@@ -196,10 +196,10 @@ def value(terms: Terms, point: tuple[Fraction, ...]) -> Fraction:
     return total
 
 
-def claim_of(count: int, own: Terms, guard: Terms, *, strict: bool) -> Claim:
+def claim_of(count: int, polynomial: Terms, guard: Terms, *, strict: bool) -> Claim:
     surface = Polynomial(count, {e: Fraction(c) for e, c in guard.items()})
     inequality = Inequality(
-        Polynomial(count, {e: Fraction(c) for e, c in own.items()}),
+        Polynomial(count, {e: Fraction(c) for e, c in polynomial.items()}),
         {"s0": surface, **cube_guards(identity(count), count)},
     )
     return Claim("random", (inequality,), strict=strict)
@@ -208,12 +208,12 @@ def claim_of(count: int, own: Terms, guard: Terms, *, strict: bool) -> Claim:
 @examples(40)
 @given(st.data(), st.sampled_from((1, 2, 3)), st.booleans())
 def test_outcomes_against_values_on_a_grid(data: st.DataObject, count: int, strict: bool) -> None:
-    own, guard = data.draw(terms(count, 3)), data.draw(terms(count, 1))
-    claim = claim_of(count, own, guard, strict=strict)
+    polynomial, guard = data.draw(terms(count, 3)), data.draw(terms(count, 1))
+    claim = claim_of(count, polynomial, guard, strict=strict)
     outcome = decide_claim(claim, WORK)
 
     def fails_at(point: tuple[Fraction, ...]) -> bool:
-        here = value(own, point)
+        here = value(polynomial, point)
         return any(point) and value(guard, point) > 0 and (here < 0 or (strict and not here))
 
     if isinstance(outcome, Proof):
@@ -223,7 +223,7 @@ def test_outcomes_against_values_on_a_grid(data: st.DataObject, count: int, stri
         point = tuple(Fraction(int(x.p), int(x.q)) for x in outcome.point)
         assert fails_at(point)
         assert max(map(abs, point)) <= 1
-        assert value(own, point) == Fraction(int(outcome.value.p), int(outcome.value.q))
+        assert value(polynomial, point) == Fraction(int(outcome.value.p), int(outcome.value.q))
 
 
 def test_a_pair_of_fields_is_refuted_where_no_mixture_falls() -> None:
@@ -270,14 +270,14 @@ def checked(rhs: tuple[str, ...], lyapunov: str | None = None) -> Any:
 
 @cache
 def certificate() -> dict[str, Any]:
-    found: dict[str, Any] = checked(tuple(NO_POLYNOMIAL), V).certificate()
-    return found
+    record: dict[str, Any] = checked(tuple(NO_POLYNOMIAL), V).certificate()
+    return record
 
 
 def refused(changed: dict[str, Any]) -> str:
-    own = copy.deepcopy(certificate())
-    own["evidence"][0]["hypotheses"].update(changed)
-    return refusal(own, len(certificate_text(own)))
+    record = copy.deepcopy(certificate())
+    record["evidence"][0]["hypotheses"].update(changed)
+    return refusal(record, len(certificate_text(record)))
 
 
 @pytest.mark.parametrize("stated", keep(1, [V, None]))
@@ -303,8 +303,8 @@ def test_floats_come_nearer() -> None:
         x, y = place
         first, second = -(x**4) + 2 * x**2 * y**2 + y**4, x**4 + 2 * x**2 * y**2 - y**4
         square = x**2 + y**2
-        own = [-2 * y * first - 2 * x * square * second, 2 * x * second - 2 * y * square * first]
-        return np.stack(own) / square**2
+        numerator = [-2 * y * first - 2 * x * square * second, 2 * x * second - 2 * y * square * first]
+        return np.stack(numerator) / square**2
 
     x = np.random.default_rng(0).uniform(-1, 1, (2, 50))
     start = np.linalg.norm(x, axis=0)
@@ -341,13 +341,13 @@ def test_false_quotients_are_refused(changed: dict[str, Any]) -> None:
 
 def test_a_mesh_beside_a_quotient_is_refused() -> None:
     """Its level set is that of the quotient, not of the numerator."""
-    own = copy.deepcopy(certificate())
-    entry = own["evidence"][0]
+    record = copy.deepcopy(certificate())
+    entry = record["evidence"][0]
     corners = ["-1 -1 0", "1 -1 0", "0 1 0"]
     mesh = {"unit": "1/8", "corners": corners, "triangles": ["0 1 2"]}
     entry["hypotheses"] = {"local": entry["hypotheses"], "surfaces": [], "mesh": mesh, "below": 1}
     entry["theorem"] = "basin"
-    assert "denominator" in refusal(own, len(certificate_text(own)))
+    assert "denominator" in refusal(record, len(certificate_text(record)))
 
 
 @pytest.mark.parametrize(
@@ -385,7 +385,7 @@ CENTRE = "-sign(x) + x*y"  # turned by (x, t) -> (-x, -t) into itself: all orbit
 
 def half_turns(force: Force, y: float = 0.3, step: float = 1e-4) -> list[float]:
     """The speeds at which x passes 0, by the midpoint rule on each side of it."""
-    x, found = 0.0, list[float]()
+    x, speeds = 0.0, list[float]()
     for _ in range(200_000):
         if abs(y) > 1:
             break
@@ -393,10 +393,10 @@ def half_turns(force: Force, y: float = 0.3, step: float = 1e-4) -> list[float]:
         middle = x + step / 2 * y, y + step / 2 * force(side * max(abs(x), 1e-12), y)
         after = x + step * middle[1], y + step * force(side * max(side * middle[0], 1e-12), middle[1])
         if after[0] * side < 0:
-            found.append(abs(after[1]))
+            speeds.append(abs(after[1]))
             after = 0.0, after[1]
         x, y = after
-    return found
+    return speeds
 
 
 def verdict_by_weights(force: str) -> str:
@@ -425,8 +425,8 @@ def test_terms_of_higher_weight_decide(force: str) -> None:
 @few(1)  # of the force whose certificate is looked at
 @pytest.mark.parametrize("force", FORCES)
 def test_half_turns_agree(force: str) -> None:
-    verdict, own = FORCES[force]
-    turns = half_turns(own)
+    verdict, acceleration = FORCES[force]
+    turns = half_turns(acceleration)
     every_other = turns[::2]
     assert len(every_other) > 5
     signs = {after > before for before, after in pairwise(every_other)}

@@ -128,10 +128,10 @@ def test_slopes_against_all_pairs(name: str) -> None:
         for b in sides:
             direction = cross_product(arrangement.rows[a].normal, arrangement.rows[b].normal)
             if any(direction):
-                known = [along for along in table if not any(cross_product(along, direction))]
+                parallel = [along for along in table if not any(cross_product(along, direction))]
                 slopes = arrangement.slopes_along((a, b), signs)
                 positive = [value_at(form, p).sign() > 0 for form in slopes for p in region.polygon.vertices]
-                assert all(positive) or any(inner(along, direction).sign() > 0 for along in known)
+                assert all(positive) or any(inner(along, direction).sign() > 0 for along in parallel)
 
 
 def test_multiples_of_a_line() -> None:
@@ -191,17 +191,17 @@ def test_plain_directions_never_reach_the_formula_parser(monkeypatch: pytest.Mon
 def test_equilibria_are_judged_among_few_wheels(arrays: Arrays, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each of them built a partition of the whole array before."""
     scene = arrays.grid(20, 20, radius=2).recentred()
-    found = find_equilibria(build_nearest_partition(scene))
-    assert found
+    equilibria = find_equilibria(build_nearest_partition(scene))
+    assert equilibria
     sizes: list[int] = []
     build = build_partition
 
-    def counted(own: Scene, **options: Any) -> Partition:
-        sizes.append(len(own.wheels))
-        return build(own, **options)
+    def counted(array: Scene, **options: Any) -> Partition:
+        sizes.append(len(array.wheels))
+        return build(array, **options)
 
     monkeypatch.setattr(theorem4, "build_partition", counted)
-    theorem4.judge_equilibria(scene, found)
+    theorem4.judge_equilibria(scene, equilibria)
     assert sizes
     assert max(sizes) < 30
 

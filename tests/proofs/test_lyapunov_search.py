@@ -63,13 +63,13 @@ def slack(radius: float) -> float:
 )
 def test_a_found_v_falls_along_polygons(load: Load, first: str, second: str) -> None:
     system = load(first, second)
-    found = find_lyapunov(system)
-    assert found is not None
-    assert found.formula is not None
-    assert found.domain.radius is not None
-    assert found.result.verdict is Decrease.STRICT
-    rhs, formula = [f.text for f in system.rhs], found.formula.text
-    radius = float(found.domain.radius)
+    lyapunov = find_lyapunov(system)
+    assert lyapunov is not None
+    assert lyapunov.formula is not None
+    assert lyapunov.domain.radius is not None
+    assert lyapunov.result.verdict is Decrease.STRICT
+    rhs, formula = [f.text for f in system.rhs], lyapunov.formula.text
+    radius = float(lyapunov.domain.radius)
     angles = np.linspace(0.1, 0.1 + 2 * np.pi, STARTS, endpoint=False)
     points = 0.5 * radius * np.array([np.cos(angles), np.sin(angles)])
     inside = np.ones(STARTS, dtype=bool)
@@ -93,9 +93,9 @@ def test_nothing_is_found_where_there_is_nothing(load: Load) -> None:
 def test_rich_families_leave_work_for_smaller_squares(load: Load) -> None:
     """On the checked square two relays refute sum after sum; a quadratic form serves on a quarter of it."""
     first = "-sign(y) - sign(y - 2*x) - y/2 - x**2/2 - x/2"
-    found = find_lyapunov(load(first, "-2*sign(y) - 2*sign(y - 2*x) - 3*x/4 - x*y/4"))
-    assert found is not None
-    assert found.text == "x**2 - x*y + y**2"
+    lyapunov = find_lyapunov(load(first, "-2*sign(y) - 2*sign(y - 2*x) - 3*x/4 - x*y/4"))
+    assert lyapunov is not None
+    assert lyapunov.text == "x**2 - x*y + y**2"
 
 
 def test_in_reversed_time_it_grows(load: Load) -> None:
@@ -110,7 +110,7 @@ def test_in_reversed_time_it_grows(load: Load) -> None:
 
 def test_sums_of_basis_functions_are_written_as_formulas(load: Load) -> None:
     system = load("y - sign(x + 2*y)", "-sign(y)*sign(x - 1)")
-    lines = [own for own in system.surfaces() if own.is_homogeneous]
+    lines = [surface for surface in system.surfaces() if surface.is_homogeneous]
     assert {str(line) for line in lines} == {"x + 2*y", "y"}
     basis = (*map(bent, lines), *monomials(("a", "b"), 2))
     coefficients = [fmpq(1, 2), fmpq(0), fmpq(1), fmpq(-9, 11), fmpq(-1)]
@@ -266,7 +266,7 @@ def test_sums_are_all_functions_that_are_quadratic_between_lines(count: int) -> 
     lines = [x * round(99 * np.cos(angle)) + y * round(99 * np.sin(angle)) for angle in angles]
     basis = piecewise_quadratics(system.states, lines)
     points = np.random.default_rng(0).normal(size=(400, 2))
-    sums = np.stack([value(own.text, x=points[:, 0], y=points[:, 1]) for own in basis], axis=1)
+    sums = np.stack([value(function.text, x=points[:, 0], y=points[:, 1]) for function in basis], axis=1)
     assert np.linalg.matrix_rank(sums, tol=1e-9) == 4 * count
 
 
@@ -274,19 +274,19 @@ def test_surfaces_of_long_sums_are_found_term_by_term() -> None:
     """Twenty lines cut the plane into 40 cones, not into 2^20 patterns of signs."""
     lines = [f"Abs(x - {k}*y)" for k in range(20)]
     system = built(["-x", "-y"])
-    found = surfaces_of(system, parse_piecewise(" + ".join([*lines, "Max(x - 3*y, 0)*Abs(x + y)"]), system.states))
-    assert list(map(str, found[:3])) == ["x", "x - y", "x - 2*y"]
-    assert len(found) == 21
+    surfaces = surfaces_of(system, parse_piecewise(" + ".join([*lines, "Max(x - 3*y, 0)*Abs(x + y)"]), system.states))
+    assert list(map(str, surfaces[:3])) == ["x", "x - y", "x - 2*y"]
+    assert len(surfaces) == 21
 
 
 def test_a_v_of_linear_parts_is_proved_beside_other_terms(load: Load) -> None:
     """On the square V may bend where the field does not switch: no sum of other functions falls there."""
     system = load("y", "-x - y/2*(1 + 3*sign(x)) + x**2/4", radius='"1/4"')
     assert find_lyapunov(system) is None
-    found = find_lyapunov(system, is_linear=True)
-    assert found is not None
-    assert found.domain.radius is not None
-    assert found.result.verdict is Decrease.STRICT
+    lyapunov = find_lyapunov(system, is_linear=True)
+    assert lyapunov is not None
+    assert lyapunov.domain.radius is not None
+    assert lyapunov.result.verdict is Decrease.STRICT
 
 
 def test_a_region_of_v_that_bends_reaches_beyond_its_square(load: Load) -> None:
@@ -369,7 +369,7 @@ def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: list
     result = decide_system(load(*rhs))
     assert (result.verdict, result.deciding.theorem) == (Translation.STABLE, Method.LYAPUNOV)
     assert certificate_of(result)["statement"]["claims"][:2] == [{"stability": "stable"}, {"approaches": "near"}]
-    assert decide_system(load(*(f"-({own})" for own in rhs))).verdict is Translation.UNSTABLE
+    assert decide_system(load(*(f"-({formula})" for formula in rhs))).verdict is Translation.UNSTABLE
 
 
 @pytest.mark.usefixtures("without_reach")
@@ -458,7 +458,7 @@ def test_rates_are_exact_where_they_are_short(rhs: tuple[str, ...], function: st
     assert (rate.decay, rate.kappa) == (DecayKind.EXPONENTIAL, kappa)
     claims = certificate_of(result)["statement"]["claims"]
     assert {"attracts": "everywhere"} in claims
-    assert any(own.get("rate", {}).get("within", "") is None for own in claims)
+    assert any(claim.get("rate", {}).get("within", "") is None for claim in claims)
 
 
 def test_rates_of_several_states_are_near_those_of_solutions() -> None:

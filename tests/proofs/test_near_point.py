@@ -18,7 +18,13 @@ from nonsmooth.analysis.cells.region import quadrants
 from nonsmooth.proofs.checker.cells import Inclusion, read_system
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.findings import Equilibrium, Translation
-from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adherence, extent, ray_adherence
+from nonsmooth.proofs.inequalities.curved_regions import (
+    ClosureMembership,
+    Extent,
+    closure_membership,
+    extent,
+    ray_closure_membership,
+)
 from nonsmooth.proofs.inequalities.real_roots import form_lines, lowest_form
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, stated_cells
 from nonsmooth.proofs.kernel.fans import show_by_fan
@@ -78,8 +84,8 @@ def build(rhs: list[str]) -> SwitchedSystem:
 def certificate(system: SwitchedSystem, verdict: str) -> Record:
     entry, claims = show_verdict(system, verdict)
     assert {"stability": verdict} in claims
-    found = {"version": VERSION, "statement": {"subject": about(system), "claims": claims}, "evidence": [entry]}
-    return json.loads(json.dumps(found))
+    record = {"version": VERSION, "statement": {"subject": about(system), "claims": claims}, "evidence": [entry]}
+    return json.loads(json.dumps(record))
 
 
 LONG = ["turns inward, curved", "twisting outward", "slides home where it repels", "relay that is pushed"]
@@ -109,7 +115,7 @@ def test_a_value_of_the_function_that_is_too_large_is_rejected() -> None:
     record = certificate(build(TURN), ATTRACTS)
     pieces = record["evidence"][0]["hypotheses"]["function"]
     for piece in pieces:
-        changed = [[mark, "x" if own == piece[1] else own] for mark, own in pieces]
+        changed = [[mark, "x" if text == piece[1] else text] for mark, text in pieces]
         forged = json.loads(json.dumps(record))
         forged["evidence"][0]["hypotheses"]["function"] = changed
         assert refused(forged)
@@ -161,13 +167,13 @@ def test_patterns_without_points_are_those_of_a_fine_grid() -> None:
     system = build(["-sign(y - x**2) + sign(x - y**3)", "-sign(x**2 + y**2 - 2)"])
     search, subject = Search(), read_system(about(system))
     stated = stated_cells(system, system.check.radius)
-    found = sharpened(stated, subject, search)
+    sharper = sharpened(stated, subject, search)
     line = np.linspace(-0.5, 0.5, 202)
     x, y = np.meshgrid(line, line)
     signs = np.stack([y - x**2, x - y**3, x**2 + y**2 - 2], axis=-1).reshape(-1, 3) > 0
     occurring = len(np.unique(signs, axis=0))
     assert len(Inclusion(subject, stated.record, [], search).cells) == 8
-    assert len(Inclusion(subject, found.record, [], search).cells) == occurring == 4
+    assert len(Inclusion(subject, sharper.record, [], search).cells) == occurring == 4
 
 
 def test_directions_lead() -> None:
@@ -202,8 +208,8 @@ def test_other_systems_are_refused_in_one_line(rhs: list[str], verdict: str) -> 
 
 
 def test_irrational_numbers_are_shown_as_they_are() -> None:
-    entry, shown = show_verdict(build(["sqrt(2)*sign(y)", "-sign(x) + sign(y)/2"]), UNSTABLE)
-    assert (entry["theorem"], shown) == ("instability", [{"stability": UNSTABLE}])
+    entry, claims = show_verdict(build(["sqrt(2)*sign(y)", "-sign(x) + sign(y)/2"]), UNSTABLE)
+    assert (entry["theorem"], claims) == ("instability", [{"stability": UNSTABLE}])
 
 
 # ---- Germs of guarded cells at the origin, against arcs on which the signs of the guards are plain arithmetic.
@@ -281,32 +287,38 @@ def test_random_germs_of_curves_that_are_powers(seed: int) -> None:
     filled = []
     for c, r in ARCS:
         y = c * root ** int(4 * r)
-        values = [side * prod(y**q - a * x**p for a, p, q in own) for side, own in zip(signs, factors, strict=True)]
+        values = [
+            side * prod(y**q - a * x**p for a, p, q in curves) for side, curves in zip(signs, factors, strict=True)
+        ]
         filled.append(all(value > 0 for value in values))
     expected = WHOLE if all(filled) else PART if any(filled) else NONE
     one, zero = FIELD.one, FIELD.zero
     assert extent(guards, (one, zero), (zero, one)) is expected
     region = quadrants(one)[0]
     guarded = type(region)(region.generators, tuple(guards))
-    assert (adherence(guarded) is Adherence.YES) is any(filled)
+    assert (closure_membership(guarded) is ClosureMembership.YES) is any(filled)
 
 
 @pytest.mark.parametrize(
     ("texts", "ray", "expected"),
     [
-        (["y + x**2 + 1"], (1, 0), Adherence.YES),
-        (["-y - x**2 - 1"], (1, 0), Adherence.NO),
-        (["y - x**2"], (1, 0), Adherence.NO),
-        (["x**2 - y"], (1, 0), Adherence.YES),
-        (["y - x**2"], (0, 1), Adherence.YES),
-        (["y - x**2"], (1, -1), Adherence.NO),
-        (["y*(x - 1)"], (1, 0), Adherence.UNDECIDED),  # a guard that vanishes along the ray is never met as a factor
+        (["y + x**2 + 1"], (1, 0), ClosureMembership.YES),
+        (["-y - x**2 - 1"], (1, 0), ClosureMembership.NO),
+        (["y - x**2"], (1, 0), ClosureMembership.NO),
+        (["x**2 - y"], (1, 0), ClosureMembership.YES),
+        (["y - x**2"], (0, 1), ClosureMembership.YES),
+        (["y - x**2"], (1, -1), ClosureMembership.NO),
+        (
+            ["y*(x - 1)"],
+            (1, 0),
+            ClosureMembership.UNDECIDED,
+        ),  # a guard that vanishes along the ray is never met as a factor
     ],
 )
-def test_rays_beside_a_cell(texts: list[str], ray: tuple[int, int], expected: Adherence) -> None:
+def test_rays_beside_a_cell(texts: list[str], ray: tuple[int, int], expected: ClosureMembership) -> None:
     region = quadrants(FIELD.one)[0]
     guarded = type(region)(region.generators, tuple(guard(text) for text in texts))
-    assert ray_adherence(guarded, (FIELD(ray[0]), FIELD(ray[1]))) is expected
+    assert ray_closure_membership(guarded, (FIELD(ray[0]), FIELD(ray[1]))) is expected
 
 
 # ---- verdicts that hang on it ----------------------------------------------------------------------
@@ -387,15 +399,15 @@ PATHS = 6
 @pytest.mark.parametrize("generate", [random_relay, random_conewise])
 @pytest.mark.parametrize("count", keep(1, [16, COUNT]))
 def test_random_systems_against_formulas(load: Load, generate: Callable[[int], Switched], count: int) -> None:
-    seen: Counter[tuple[str, str]] = Counter()
+    counts: Counter[tuple[str, str]] = Counter()
     for seed in range(1000, 1000 + count):
         system = generate(seed)
         found = decide_leading_terms(load(*system.rhs))
-        known = Judge(system).verdict()
-        seen[str(found and found.verdict), str(known)] += 1
-        assert found is None or known is None or str(found.verdict) == known, (seed, system.rhs)
-    assert min(seen[v, v] for v in ("asymptotically stable", "unstable")) >= count // 8
-    assert sum(n for (found, _), n in seen.items() if found == "None") <= count // 10
+        verdict = Judge(system).verdict()
+        counts[str(found and found.verdict), str(verdict)] += 1
+        assert found is None or verdict is None or str(found.verdict) == verdict, (seed, system.rhs)
+    assert min(counts[v, v] for v in ("asymptotically stable", "unstable")) >= count // 8
+    assert sum(n for (found, _), n in counts.items() if found == "None") <= count // 10
 
 
 @few(1)

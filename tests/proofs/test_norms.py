@@ -73,13 +73,13 @@ def test_a_norm_is_between_its_bounds(square: str, order: int) -> None:
     """In exact numbers, by the definition of a root; at the point both are what the norm is."""
     origin = dict.fromkeys("xyz", Fraction(0))
     _, (norm,) = named_norms([[f"sqrt({square})"]], origin, set("xyz"))
-    ends = [_without_root(own) for own in norm.bounds(set("xyz"), order)]
-    assert {RATIONAL.value(own, origin) ** 2 for own in ends} == {norm.square}
+    ends = [_without_root(bound) for bound in norm.bounds(set("xyz"), order)]
+    assert {RATIONAL.value(end, origin) ** 2 for end in ends} == {norm.square}
     drawn, widths = Random(order), list[float]()
     for _ in range(100):
         place = {name: rational(drawn) for name in "xyz"}
         exact = RATIONAL.value(formula_tree(square), place)
-        lower, upper = (RATIONAL.value(own, place) for own in (ends[0], ends[-1]))
+        lower, upper = (RATIONAL.value(end, place) for end in (ends[0], ends[-1]))
         assert lower <= 0 or lower**2 <= exact
         assert upper >= 0
         assert upper**2 >= exact
@@ -116,11 +116,11 @@ def test_entries_of_unit_vectors_are_between_their_bounds(square: str) -> None:
     for _ in range(100):
         place = {name: rational(drawn) for name in "wxyz"}
         exact = RATIONAL.value(formula_tree(square), place)
-        for own in entries:
-            top = RATIONAL.value(formula_tree(own.base), place) ** 2
-            side = RATIONAL.value(formula_tree(f"sign({own.base})"), place)
-            lower, upper = (side * RATIONAL.value(bound, place) for bound in own.bounds(set("wxyz")))
-            is_tied = any(exact_of(own, place) == exact_of(other, place) for other in entries if other is not own)
+        for entry in entries:
+            top = RATIONAL.value(formula_tree(entry.base), place) ** 2
+            side = RATIONAL.value(formula_tree(f"sign({entry.base})"), place)
+            lower, upper = (side * RATIONAL.value(bound, place) for bound in entry.bounds(set("wxyz")))
+            is_tied = any(exact_of(entry, place) == exact_of(other, place) for other in entries if other is not entry)
             if top and not is_tied:
                 assert 0 <= lower <= upper
                 assert lower**2 * exact <= top <= upper**2 * exact
@@ -140,14 +140,14 @@ def test_unit_control_falls_as_fast_as_is_said(text: str) -> None:
     radius = ATTRACTS_AND_NOT_SCALED[text]
     result = decided_with_certificate(stated(text, radius=str(Fraction(radius))), ATTRACTS)
     certificate = result.certificate()
-    (rate,) = (own["rate"] for own in certificate["statement"]["claims"] if "rate" in own)
+    (rate,) = (claim["rate"] for claim in certificate["statement"]["claims"] if "rate" in claim)
     names, noise = "xyz"[: text.count(";") + 1], np.random.default_rng(0)
     field = compile(f"[{text.replace(';', ',')}]", "field", "eval")
     value = compile(rate["function"], "V", "eval")
-    known = {"sqrt": np.sqrt, "Abs": np.abs, "Max": np.maximum, "Min": np.minimum, "sign": np.sign}
+    functions = {"sqrt": np.sqrt, "Abs": np.abs, "Max": np.maximum, "Min": np.minimum, "sign": np.sign}
 
     def at(code: CodeType, place: np.ndarray) -> np.ndarray:
-        return np.array(eval(code, known, dict(zip(names, place, strict=True))))  # noqa: S307
+        return np.array(eval(code, functions, dict(zip(names, place, strict=True))))  # noqa: S307
 
     half, step = float(Fraction(rate["within"])), 1e-7
     places = noise.uniform(-half, half, (len(names), 2_000))
@@ -178,8 +178,10 @@ def test_formulas_become_affine_and_keep_their_values() -> None:
         ((named,),), norms = named_norms([[text]], point, set("xy"))
         affine = str(affine_in_norms(named, norms))
         place = {name: drawn.uniform(-1, 1) for name in "xy"}
-        size = {own.name: float_value(formula_tree(f"sqrt({own.argument})"), place, "") for own in norms}
-        ends = [float_value(formula_tree(affine), place | dict.fromkeys(size, own), "") for own in (0.0, 1.0, 2.0)]
+        size = {norm.name: float_value(formula_tree(f"sqrt({norm.argument})"), place, "") for norm in norms}
+        ends = [
+            float_value(formula_tree(affine), place | dict.fromkeys(size, number), "") for number in (0.0, 1.0, 2.0)
+        ]
         value = float_value(formula_tree(affine), place | size, affine)
         assert value == pytest.approx(float_value(formula_tree(text), place, text), rel=1e-9, abs=1e-9)
         if len(norms) == 1:
@@ -237,7 +239,7 @@ def test_other_roots_and_other_places_are_refused(text: str, said: str) -> None:
 @pytest.mark.parametrize("place", [(0, 0), (1, -2)])
 def test_a_path_comes_to_the_point_when_its_distance_says(place: tuple[int, int]) -> None:
     """``abs(x)' = -1`` whatever the field turns by."""
-    x, y = (f"({name} - {own})" for name, own in zip("xy", place, strict=True))
+    x, y = (f"({name} - {coordinate})" for name, coordinate in zip("xy", place, strict=True))
     size = f"sqrt({x}**2 + {y}**2)"
     rhs = [f"3*{y} - {x}/{size}", f"-3*{x} - {y}/{size}"]
     start = (place[0] + 0.3, place[1] + 0.4)
@@ -272,7 +274,7 @@ def test_where_a_solution_rests_is_asked_of_the_field_and_not_of_its_bounds() ->
 def test_certificates_name_the_scene_that_they_are_about() -> None:
     text = f"y - x/{N}; -x - y/{N}"
     certificate = stated(text).check().certificate()
-    assert certificate["notes"]["stated"] == [[own.strip() for own in text.split(";")]]
+    assert certificate["notes"]["stated"] == [[formula.strip() for formula in text.split(";")]]
     assert "roots of sums of squares" in certificate["notes"]["right-hand sides"]
 
 

@@ -24,7 +24,7 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.systems.basin import AXES, EFFORTS, find_borders, left_of
-from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, next_ring
+from nonsmooth.proofs.systems.basin_rings import FloatField, RingGrowth, next_ring
 from nonsmooth.proofs.systems.outer_ring import find_outer_ring, find_traps, other_rests, ring_of
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
@@ -32,11 +32,11 @@ from tests.oracles.floats import midpoint
 from tests.plain import refused
 from tests.thorough import keep, thorough
 
-COARSE = Pace(0.12, 0.05, 0.04)
+COARSE = RingGrowth(0.12, 0.05, 0.04)
 CIRCLE = ["-y - x*(1 - x**2 - y**2)", "x - y*(1 - x**2 - y**2)"]  # attracts inside the unit circle, exactly
 
 
-def with_coarse_region(name: str, document: dict[str, Any], pace: Pace = COARSE) -> Any:
+def with_coarse_region(name: str, document: dict[str, Any], pace: RingGrowth = COARSE) -> Any:
     """The check of a system in x and y with a coarse search."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(EFFORTS, "fast", replace(EFFORTS["fast"], pace=pace, starts=21))
@@ -55,8 +55,8 @@ def text_of(check: Callable[[], Any]) -> str:
 
 def certificate(check: Callable[[], Any]) -> dict[str, Any]:
     """A certificate of a check, to be changed."""
-    found: dict[str, Any] = json.loads(text_of(check))
-    return found
+    record: dict[str, Any] = json.loads(text_of(check))
+    return record
 
 
 def test_the_polygon_is_around_the_circle() -> None:
@@ -76,17 +76,17 @@ def test_what_is_said_of_it() -> None:
     assert "no start outside of a polygon of" in record["text"]
     assert re.search(r"of the starts sampled within -[0-9.]+ <= x <= [0-9.]+, -[0-9.]+ <= y <= ", record["text"])
     assert len(record["outside"]["polygon"]) > 20
-    own = certificate(circle)
-    assert any("outside" in claim for claim in own["statement"]["claims"])
-    assert not refused(own)
+    document = certificate(circle)
+    assert any("outside" in claim for claim in document["statement"]["claims"])
+    assert not refused(document)
 
 
 @pytest.mark.parametrize("scale", keep(1, [Fraction(9, 10), Fraction(1, 2)]))
 def test_a_smaller_polygon_is_refused(scale: Fraction) -> None:
     """From between it and the circle all starts come home."""
     forged = certificate(circle)
-    claim = next(own["outside"] for own in forged["statement"]["claims"] if "outside" in own)
-    entry = next(own["hypotheses"] for own in forged["evidence"] if own["theorem"] == "outside")
+    claim = next(c["outside"] for c in forged["statement"]["claims"] if "outside" in c)
+    entry = next(e["hypotheses"] for e in forged["evidence"] if e["theorem"] == "outside")
     claim["unit"] = entry["unit"] = str(Fraction(entry["unit"]) * scale)
     assert refused(forged)
 
@@ -109,7 +109,7 @@ def test_no_polygon_where_the_basin_reaches_to_infinity() -> None:
     system = build_system(document, "hyperbola", Path("hyperbola.toml"))
     angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
     border = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    assert find_outer_ring(read_subject(about(system)), [], border, Pace(0.12, 0.05, 0.04), 1_000) is None
+    assert find_outer_ring(read_subject(about(system)), [], border, RingGrowth(0.12, 0.05, 0.04), 1_000) is None
 
 
 SIMPLE = {
@@ -194,26 +194,28 @@ def test_a_trap_about_another_place_of_rest() -> None:
 def test_what_is_said_of_a_trap() -> None:
     """Lower and upper shares, polygons in JSON, and a certificate."""
     record = competition().facts()["basin"]
-    low, high = (float(own) for own in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0])
+    low, high = (
+        float(share) for share in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0]
+    )
     assert re.search(r"no start inside of a polygon about \(-?[0-9.]+, -?[0-9.]+\) does", record["text"])
     assert 0 < low < 50 < high < 100  # the true share is about a half
     assert len(record["traps"]) == 1
-    own = certificate(competition)
-    assert any("no start inside a polygon" in line for line in describe(own["statement"]))
-    assert not refused(own)
+    document = certificate(competition)
+    assert any("no start inside a polygon" in line for line in describe(document["statement"]))
+    assert not refused(document)
 
 
 @pytest.mark.parametrize("way", ["turned over", "about the point", "larger"])
 def test_other_traps_are_refused(way: str) -> None:
     forged = certificate(competition)
-    claim = next(own["outside"] for own in forged["statement"]["claims"] if "outside" in own)
+    claim = next(c["outside"] for c in forged["statement"]["claims"] if "outside" in c)
     corners = list(claim["corners"])
     if way == "turned over":
         corners.reverse()
     elif way == "about the point":
         corners = ["1 -1", "-1 -1", "-1 1", "1 1"]
     else:
-        corners = [f"{2 * int(x)} {2 * int(y)}" for x, y in (own.split(" ") for own in corners)]
+        corners = [f"{2 * int(x)} {2 * int(y)}" for x, y in (corner.split(" ") for corner in corners)]
     claim["corners"] = corners
     for entry in forged["evidence"]:
         if entry["theorem"] == "outside":
@@ -225,10 +227,10 @@ def test_other_traps_are_refused(way: str) -> None:
 def test_traps_beside_a_pendulum() -> None:
     """About the next lower positions, with sines: the checker takes them, and no larger ones."""
     document = {"system": {"states": ["x", "y"], "rhs": ["y", "-sin(x) - y/2"]}}
-    evidence = with_coarse_region("pendulum", document, Pace(0.08, 0.03, 0.04)).evidence
+    evidence = with_coarse_region("pendulum", document, RingGrowth(0.08, 0.03, 0.04)).evidence
     basin = evidence.reach.basin
     assert basin is not None
-    assert sorted(own[0] for own, _ in basin.traps) == pytest.approx([-2 * np.pi, 2 * np.pi], abs=1e-3)
+    assert sorted(place[0] for place, _ in basin.traps) == pytest.approx([-2 * np.pi, 2 * np.pi], abs=1e-3)
     _, hypotheses = basin.traps[0]
     system, unit = read_subject(about(evidence.scene)), Fraction(hypotheses["unit"])
     show_outside(system, hypotheses, Proofs({}))
@@ -249,7 +251,7 @@ def test_a_ring_that_folds_onto_itself_grows_on() -> None:
     system = read_subject(about(ns.System(["x", "y"], ["-x", "-y"]).system))
     field = FloatField(Plane(system, "1", [], Proofs({})))
     ring = np.array([[1.0, 0.0], [2.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-    assert np.isfinite(next_ring(field, ring, Pace(0.1, 0.1, 0.1), 10.0, 0)).all()
+    assert np.isfinite(next_ring(field, ring, RingGrowth(0.1, 0.1, 0.1), 10.0, 0)).all()
 
 
 SPRING = ["y", "-x + x**3 - y"]  # saddles at (-1, 0) and (1, 0); the basin between their stable manifolds is unbounded
@@ -261,7 +263,7 @@ def comes(field: Callable[[Any, Any], Any], starts: Any) -> Any:
     x = starts.T.copy()
     with np.errstate(all="ignore"):
         for _ in range(STEPS):
-            x = midpoint(lambda own: np.stack(field(*own)), x, STEP)
+            x = midpoint(lambda place: np.stack(field(*place)), x, STEP)
     return np.hypot(*x) < 0.2
 
 
@@ -269,40 +271,42 @@ def comes(field: Callable[[Any, Any], Any], starts: Any) -> Any:
 def spring() -> Any:
     """The check of a spring that weakens."""
     document = {"system": {"states": ["x", "y"], "rhs": SPRING}}
-    return with_coarse_region("spring", document, Pace(0.1, 0.03, 0.04))
+    return with_coarse_region("spring", document, RingGrowth(0.1, 0.03, 0.04))
 
 
 def test_lines_beside_saddles_bound_the_basin_of_a_spring() -> None:
     """In words, in JSON, in a picture and in a certificate; the true share lies between the lower and the upper one."""
     record, basin = spring().facts()["basin"], spring().evidence.reach.basin
     assert "no start beyond lines beside the saddles (-1, 0) and (1, 0) does" in record["text"]
-    low, high = (float(own) for own in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0])
+    low, high = (
+        float(share) for share in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0]
+    )
     _, coming = basin.sampled
     assert low < 100 * coming / basin.square[2] < high < 1.1 * 100 * coming / basin.square[2]
-    assert sorted(own["at"][0] for own in record["saddles"]) == pytest.approx([-1, 1], abs=1e-5)
-    assert {len(own["ends"]) for own in record["saddles"]} == {2}
+    assert sorted(saddle["at"][0] for saddle in record["saddles"]) == pytest.approx([-1, 1], abs=1e-5)
+    assert {len(saddle["ends"]) for saddle in record["saddles"]} == {2}
     axes = spring().plot()
     assert axes.get_xlim() == pytest.approx(basin.window[0])
-    own = certificate(spring)
-    assert sum("no start to the right of a line" in line for line in describe(own["statement"])) == 2
-    assert not refused(own)
+    document = certificate(spring)
+    assert sum("no start to the right of a line" in line for line in describe(document["statement"])) == 2
+    assert not refused(document)
 
 
 @pytest.mark.parametrize("way", ["back", "nearer", "ends turned", "ends exchanged", "without ends"])
 def test_other_lines_are_refused(way: str) -> None:
     forged = certificate(spring)
-    entry = next(own["hypotheses"] for own in forged["evidence"] if own["theorem"] == "outside")
+    entry = next(e["hypotheses"] for e in forged["evidence"] if e["theorem"] == "outside")
     if way == "back":
         entry.update(corners=entry["corners"][::-1], ends=entry["ends"][::-1])
     elif way == "nearer":
         entry["unit"] = str(Fraction(entry["unit"]) * Fraction(49, 50))
     elif way == "ends turned":
-        entry["ends"] = [" ".join(str(-int(x)) for x in own.split(" ")) for own in entry["ends"]]
+        entry["ends"] = [" ".join(str(-int(x)) for x in end.split(" ")) for end in entry["ends"]]
     elif way == "ends exchanged":
         entry["ends"] = entry["ends"][::-1]
     else:
         del entry["ends"]
-    next(own["outside"] for own in forged["statement"]["claims"] if "outside" in own).update(
+    next(claim["outside"] for claim in forged["statement"]["claims"] if "outside" in claim).update(
         {key: entry[key] for key in ("unit", "corners", *(["ends"] if "ends" in entry else []))}
     )
     assert refused(forged)
@@ -327,9 +331,9 @@ def test_no_start_beyond_a_line_comes(name: str) -> None:
     system = read_subject({"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]})
     angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
     border = 0.8 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    found = find_borders(system, surfaces, border, Pace(0.04, 0.012, 0.04))
-    assert found
-    for saddle, hypotheses in found:
+    borders = find_borders(system, surfaces, border, RingGrowth(0.04, 0.012, 0.04))
+    assert borders
+    for saddle, hypotheses in borders:
         random = np.random.default_rng(1)
         starts = np.concatenate([random.uniform(-2, 2, (300, 2)), saddle + random.normal(0, 0.05, (300, 2))])
         before = left_of(hypotheses, starts)
@@ -378,9 +382,9 @@ def test_polygons_about_a_field_that_repeats_itself_have_few_corners() -> None:
     system = read_subject({"states": ["x", "y"], "rhs": rhs, "at": ["0", "0"]})
     angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
     border = 2.5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    found = find_traps(system, [], border, Pace(0.04, 0.012, 0.04), 300)
-    assert sorted(round(place[0]) for place, _ in found) == [-6, 6]
-    assert all(len(own["corners"]) < 500 for _, own in found)
-    for place, own in found:
-        spread = ring_of(own) - place
+    traps = find_traps(system, [], border, RingGrowth(0.04, 0.012, 0.04), 300)
+    assert sorted(round(place[0]) for place, _ in traps) == [-6, 6]
+    assert all(len(polygon["corners"]) < 500 for _, polygon in traps)
+    for place, polygon in traps:
+        spread = ring_of(polygon) - place
         assert np.abs(spread).max() > 4

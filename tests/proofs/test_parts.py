@@ -179,7 +179,7 @@ def sliding() -> StabilityResult:
 @pytest.mark.usefixtures("without_reach")
 def test_what_parts_ask_is_exported() -> None:
     certificate = certificate_of(sliding())
-    names = [own.name for own in obligations_of(certificate, "relay")]
+    names = [obligation.name for obligation in obligations_of(certificate, "relay")]
     assert names
     assert all(name.startswith("1 sliding: part 1: ") for name in names)
 

@@ -280,11 +280,11 @@ def test_integrating_factors_are_found(name: str) -> None:
 
 SHORT = [("irrational", "INTEGRAL"), ("a pendulum on a spring", "SYMMETRY")]
 ENERGIES = {"conservative"}  # integrals that are polynomials: a V that is kept
-CENTRES = [(own, "LYAPUNOV" if own in ENERGIES else "INTEGRAL") for own in KEPT]
-CENTRES += [(own, "SYMMETRY") for own in REVERSED]
+CENTRES = [(name, "LYAPUNOV" if name in ENERGIES else "INTEGRAL") for name in KEPT]
+CENTRES += [(name, "SYMMETRY") for name in REVERSED]
 
 
-@pytest.mark.parametrize(("name", "method"), keep(2, [*SHORT, *(own for own in CENTRES if own not in SHORT)]))
+@pytest.mark.parametrize(("name", "method"), keep(2, [*SHORT, *(centre for centre in CENTRES if centre not in SHORT)]))
 def test_centres_are_stable(name: str, method: str) -> None:
     result = decided({**REVERSED, **KEPT}[name])
     assert (result.verdict, result.method) == (Translation.STABLE, Method[method])
@@ -320,10 +320,10 @@ def test_products_of_powers_of_three_lines_are_kept(powers: Any, lines: Any) -> 
     """``H = prod l_i^c_i`` with ``sum c_i grad l_i = 0`` at the point, as the origin of a quadratic field."""
     x, y = sympy.symbols("x y")
     last = [-sympy.Rational(powers[0] * a + powers[1] * b, powers[2]) for a, b in zip(*lines, strict=True)]
-    own = [1 + a * x + b * y for a, b in (*lines, last)]
-    terms = [c / line for c, line in zip(powers, own, strict=True)]
+    factors = [1 + a * x + b * y for a, b in (*lines, last)]
+    terms = [c / line for c, line in zip(powers, factors, strict=True)]
     fields = [
-        sympy.prod(own) * sum(term * line.diff(state) for term, line in zip(terms, own, strict=True)) * sign
+        sympy.prod(factors) * sum(term * line.diff(state) for term, line in zip(terms, factors, strict=True)) * sign
         for state, sign in ((y, -1), (x, 1))
     ]
     rhs = [str(sympy.expand(sympy.cancel(field))) for field in fields]
@@ -402,7 +402,7 @@ OF_AN_INTEGRAL: list[tuple[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize(("key", "value"), [*FORGED, *(("mirror", own) for own in OF_A_REFLECTION)])
+@pytest.mark.parametrize(("key", "value"), [*FORGED, *(("mirror", value) for value in OF_A_REFLECTION)])
 def test_forged_reflections_are_rejected(key: str, value: Any, spring: Record) -> None:
     assert_rejected(spring, key, value)
 

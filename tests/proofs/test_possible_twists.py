@@ -39,19 +39,19 @@ def is_possible(scene: Scene, twist: PossibleTwist, place: Floats) -> bool:
             line[count + k] = sign
             limits.append(line)
     bounds = [(0, None)] * count + [(None, None)] * len(rows)
-    found = linprog(
+    solution = linprog(
         np.zeros(count + len(rows)), limits, np.zeros(len(limits)), balance, [1, *place, 0, 0, 0], bounds=bounds
     )
-    return bool(found.status == 0)
+    return bool(solution.status == 0)
 
 
 def test_with_three_wheels_the_areas_are_the_cells_of_the_one_load() -> None:
     scene = load_scene("ring-3", rule="box")
-    found = [each for each in possible_twists(scene) if len(each.corners) > 2]
+    areas = [each for each in possible_twists(scene) if len(each.corners) > 2]
     whole = convex_polygon([wheel.position for wheel in scene.wheels])
-    assert sum((convex_polygon(each.corners).area for each in found), whole.area * 0) == whole.area
+    assert sum((convex_polygon(each.corners).area for each in areas), whole.area * 0) == whole.area
     for cell in build_box_partition(replace(scene, check=replace(scene.check, radius=scene.check.radius / 4))).cells:
-        (match,) = [each for each in found if each.state.twist == cell.states[0].twist]
+        (match,) = [each for each in areas if each.state.twist == cell.states[0].twist]
         assert all(match.holds(corner) for corner in cell.polygon.vertices)
 
 
@@ -60,10 +60,10 @@ def test_minimizers_under_random_loads_are_possible_where_they_are() -> None:
     twists, rng = possible_twists(scene), np.random.default_rng(3)
     model, places = contact_model(scene), places_of(scene)
     loads = rng.dirichlet(np.full(4, 0.6), 60)
-    found = BoxHighs().minimize(model, loads).twists
+    minimizers = BoxHighs().minimize(model, loads).twists
     vectors = np.array([[float(x) for x in each.state.twist] for each in twists])
     hits = 0
-    for load, twist in zip(loads, found, strict=True):
+    for load, twist in zip(loads, minimizers, strict=True):
         near = np.flatnonzero(np.abs(vectors - twist).max(axis=1) < 1e-6)
         if len(near):  # else a mean of several, where the minimizer is not unique
             field, centre = scene.field, load @ places

@@ -40,11 +40,11 @@ def largest_end(rhs: Sequence[str], weights: Sequence[int], size: float, until: 
     """Where Euler polygons from a small curve end, ``max_i |x_i|^(1/r_i)`` over that of their starts."""
     angles = np.linspace(0.1, 6.2, 12)
     ray = [np.cos(angles), np.sin(angles)][: len(rhs)]
-    x = [np.sign(own) * np.abs(size * own) ** r for own, r in zip(ray, weights, strict=False)]
+    x = [np.sign(coordinate) * np.abs(size * coordinate) ** r for coordinate, r in zip(ray, weights, strict=False)]
     for _ in range(int(until / step)):
         rates = [value(text, **dict(zip("xy", x, strict=False))) for text in rhs]
-        x = [np.clip(own + step * rate, -9, 9) for own, rate in zip(x, rates, strict=True)]
-    return float(max(np.max(np.abs(own) ** (1 / r)) for own, r in zip(x, weights, strict=False)) / size)
+        x = [np.clip(coordinate + step * rate, -9, 9) for coordinate, rate in zip(x, rates, strict=True)]
+    return float(max(np.max(np.abs(coordinate) ** (1 / r)) for coordinate, r in zip(x, weights, strict=False)) / size)
 
 
 KNOWN: list[tuple[list[str], Translation]] = [
@@ -73,7 +73,7 @@ LONG = (1, 4, 5, 6, 8, 9, 10, 15)
 
 @pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize(
-    ("rhs", "truth"), [pytest.param(*own, marks=thorough) if k in LONG else own for k, own in enumerate(KNOWN)]
+    ("rhs", "truth"), [pytest.param(*case, marks=thorough) if k in LONG else case for k, case in enumerate(KNOWN)]
 )
 def test_known_systems_are_decided_and_agree_with_small_steps(rhs: list[str], truth: Translation) -> None:
     result = decide_system(built(rhs))
@@ -90,7 +90,7 @@ def test_random_systems_are_not_contradicted(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a, b, c, d = (f"({k}/4)" for k in rng.integers(-10, 11, 4))
     order, other = rng.integers(2, 5, 2)
-    p, q, r = (str(Fraction(int(rng.integers(1, 5)), int(own))) for own in (order, order, other))
+    p, q, r = (str(Fraction(int(rng.integers(1, 5)), int(denominator))) for denominator in (order, order, other))
     rhs = [f"{a}*{power('x', p)} + 3/2*y", f"{b}*{power('x', q)} + {c}*{power('y', r)} + {d}*sgn(x)"]
     result = decide_system(built(rhs))
     assert result.check()
@@ -145,7 +145,7 @@ def test_formulas_are_restored_as_powers_of_their_states() -> None:
 
 def test_points_off_zero_need_rational_roots() -> None:
     system = built(["2 - Abs(x)**(1/3)", "-y"], equilibrium=["8", "0"])
-    assert [str(own) for own in system.stated_point] == ["8", "0"]
+    assert [str(coordinate) for coordinate in system.stated_point] == ["8", "0"]
     assert decide_system(system).verdict is ATTRACTS
     with pytest.raises(SceneError, match="a fraction with a rational root of order 3"):
         built(["2 - Abs(x)**(1/3)", "-y"], equilibrium=["9", "0"])
@@ -173,7 +173,7 @@ def test_three_states(rhs: list[str], at: list[str], truth: Translation, has_cer
     x = centre[:, None] + 1e-2 * np.random.default_rng(0).uniform(-1, 1, (3, 20))
     start = np.abs(x - centre[:, None]).max()
     for _ in range(5_000):
-        x = np.clip(x + 4e-3 * np.array([value(own, x=x[0], y=x[1], z=x[2]) for own in rhs]), -9, 9)
+        x = np.clip(x + 4e-3 * np.array([value(formula, x=x[0], y=x[1], z=x[2]) for formula in rhs]), -9, 9)
     last = np.abs(x - centre[:, None]).max()
     assert last > 2 * start if truth is LEAVES else truth is Translation.UNDECIDED or last < start / 2
     if has_certificate:
@@ -207,7 +207,9 @@ def test_verdicts_are_certified(rhs: list[str]) -> None:
 
 def test_no_certificate_says_the_opposite() -> None:
     record = certificate(*KNOWN[0][0])
-    turned = [[own.replace("- sqrt", "+ sqrt") for own in side] for side in record["statement"]["subject"]["rhs"]]
+    turned = [
+        [formula.replace("- sqrt", "+ sqrt") for formula in side] for side in record["statement"]["subject"]["rhs"]
+    ]
     assert turned != record["statement"]["subject"]["rhs"]
     subject = {**record["statement"]["subject"], "rhs": turned}
     assert refused({**record, "statement": {**record["statement"], "subject": subject}})
@@ -222,8 +224,8 @@ def test_parts_are_judged_in_roots_of_their_own_states() -> None:
 
 
 VELOCITIES = [
-    *((own, 2) for own in ("-2*x", "y - x*3", "(x + y)**2 - sqrt(Abs(x))", "x*y + sgn(x)*(x - 2*y)")),
-    *((own, 6) for own in ("-2*x", "y - Abs(x)**(2/3)*3", "(x + y)**2 - Abs(x)**(5/6)", "sgn(x)*(x - 2*y)")),
+    *((formula, 2) for formula in ("-2*x", "y - x*3", "(x + y)**2 - sqrt(Abs(x))", "x*y + sgn(x)*(x - 2*y)")),
+    *((formula, 6) for formula in ("-2*x", "y - Abs(x)**(2/3)*3", "(x + y)**2 - Abs(x)**(5/6)", "sgn(x)*(x - 2*y)")),
 ]
 
 
@@ -273,7 +275,7 @@ def test_exported_formulas_have_the_values_of_the_stated_ones() -> None:
     assert space["field"]([-0.3, 0.7]) == pytest.approx(expected, rel=1e-14)
     (field,) = formulas.sympy().fields
     symbols = {sympy.Symbol(name, real=True): number for name, number in at.items()}
-    assert [float(own.subs(symbols)) for own in field] == pytest.approx(expected, rel=1e-14)
+    assert [float(expression.subs(symbols)) for expression in field] == pytest.approx(expected, rel=1e-14)
     assert "pow(fabs(x[0]), (2.0 / 3.0))" in formulas.program("c")
 
 

@@ -102,10 +102,10 @@ def test_affine_pieces_rest_where_linear_algebra_says(seed: int) -> None:
     assert not found.stretches
     assert len(found.places) == len(expected)
     for kind, x in expected:
-        (own,) = [one for one in found.places if np.abs(np.array([float(c) for c in one.place]) - x).max() < 1e-6]
-        assert own.kind is kind
-        if own.stability in (Translation.ASYMPTOTICALLY_STABLE, Translation.UNSTABLE):
-            assert own.stability is _seen(pieces, x)
+        (place,) = [one for one in found.places if np.abs(np.array([float(c) for c in one.place]) - x).max() < 1e-6]
+        assert place.kind is kind
+        if place.stability in (Translation.ASYMPTOTICALLY_STABLE, Translation.UNSTABLE):
+            assert place.stability is _seen(pieces, x)
 
 
 def _seen(pieces: Pieces, x: np.ndarray) -> Translation:
@@ -139,28 +139,28 @@ def test_a_pendulum_with_dry_friction_rests_near_both_verticals() -> None:
 def test_a_boundary_equilibrium_beside_a_sine() -> None:
     """One side is zero at the surface: ``sin 0`` is exact."""
     result = stated("sin(x)/2 - x + (1 - sign(x))/4", radius=1).equilibria()
-    assert [(own["exact"], own["where"][:12]) for own in result.rows()] == [("(0)", "on a surface")]
+    assert [(row["exact"], row["where"][:12]) for row in result.rows()] == [("(0)", "on a surface")]
     assert not result.found.left
 
 
 def test_irrational_equilibria_are_enclosed() -> None:
     """``x^3 = x + 1`` has no root that a formula of this program names."""
-    (own,) = stated("x**3 - x - 1; x - y", radius=2).equilibria().facts()["places"]
-    assert own["x"] == pytest.approx(1.324717957244746, abs=1e-12)
-    assert own["error"] < 1e-12
-    assert own["exact"] is None
-    assert (own["shape"], own["stability"]) == ("saddle", "unstable")
+    (place,) = stated("x**3 - x - 1; x - y", radius=2).equilibria().facts()["places"]
+    assert place["x"] == pytest.approx(1.324717957244746, abs=1e-12)
+    assert place["error"] < 1e-12
+    assert place["exact"] is None
+    assert (place["shape"], place["stability"]) == ("saddle", "unstable")
 
 
 def test_a_pseudo_equilibrium_in_three_states() -> None:
     """On z = 0 the sliding motion is ``x' = 1/2 - x, y' = x - y`` with ``z' = y - x/2 -+ 1`` on both sides."""
     rhs = "1/2 - x; x - y + 1/8*(1 + sign(z)) - 1/8 + (y - x/2)/8; y - x/2 - sign(z)"
-    (own,) = stated(rhs, radius=2).equilibria().facts()["places"]
-    assert [own["x"], own["y"], own["z"]] == pytest.approx([0.5, own["y"], 0], abs=1e-12)
-    weight = own["y"] - own["x"] / 2  # sign(z) has this mean
-    assert 0.5 - own["y"] + weight / 8 + weight / 8 == pytest.approx(0, abs=1e-12)
-    assert (own["where"], own["surfaces"]) == ("on a surface that both fields lead to", "z = 0")
-    assert own["stability"] == "asymptotically stable"
+    (place,) = stated(rhs, radius=2).equilibria().facts()["places"]
+    assert [place["x"], place["y"], place["z"]] == pytest.approx([0.5, place["y"], 0], abs=1e-12)
+    weight = place["y"] - place["x"] / 2  # sign(z) has this mean
+    assert 0.5 - place["y"] + weight / 8 + weight / 8 == pytest.approx(0, abs=1e-12)
+    assert (place["where"], place["surfaces"]) == ("on a surface that both fields lead to", "z = 0")
+    assert place["stability"] == "asymptotically stable"
 
 
 def test_where_the_linearization_says_nothing_theorems_are_asked() -> None:
@@ -168,7 +168,7 @@ def test_where_the_linearization_says_nothing_theorems_are_asked() -> None:
     (fused,) = stated("y - x/4; -x - y/4 - sign(x)", radius=1).equilibria().facts()["places"]
     assert fused["stability"] == "asymptotically stable"
     cubic = stated("-x**3; -y", radius=1).equilibria()  # where Krawczyk's operator isolates no zero
-    assert [(own["stability"], own["exact"]) for own in cubic.rows()] == [("asymptotically stable", "(0, 0)")]
+    assert [(row["stability"], row["exact"]) for row in cubic.rows()] == [("asymptotically stable", "(0, 0)")]
     assert all(np.abs([float(x) for x in box]).max() < 1e-4 for box in cubic.found.left)
     (corner,) = stated("1/2 - sign(x); x/8 - sign(y)/3", radius=1).equilibria().facts()["places"]
     assert corner["where"] == "where surfaces meet"
@@ -251,8 +251,8 @@ def test_all_that_rests_of_singular_pieces_is_found(seed: int) -> None:
     rhs = [sum_of([*row, p, *q], names) for row, p, q in zip(a, b, c, strict=True)]
     found = rest_places(ns.System(list(states), rhs, radius=2).system)
     assert not found.left
-    known = [np.array([list(map(float, corner)) for corner in own.corners]) for own in found.stretches]
-    known += [np.array([list(map(float, own.place))]) for own in found.places]
+    hulls = [np.array([list(map(float, corner)) for corner in stretch.corners]) for stretch in found.stretches]
+    hulls += [np.array([list(map(float, place.place))]) for place in found.places]
 
     for sides in product((1, -1, 0), repeat=rows):
         limits = [(side, side) if side else (-1, 1) for side in sides]
@@ -268,13 +268,13 @@ def test_all_that_rests_of_singular_pieces_is_found(seed: int) -> None:
             )
             if rest.status == 0:
                 x = rest.x[:n]
-                near = min((hull_distance(x, own) for own in known), default=np.inf)
+                near = min((hull_distance(x, hull) for hull in hulls), default=np.inf)
                 assert near < 1e-6, (rhs, x)
-    for corners in known[: len(found.stretches)]:
+    for corners in hulls[: len(found.stretches)]:
         for weights in drawn.dirichlet(np.ones(len(corners)), 3):
             x = weights @ corners
             values = normals @ x + offsets
-            signs = [(np.sign(own),) * 2 if abs(own) > 1e-9 else (-1, 1) for own in values]
+            signs = [(np.sign(value),) * 2 if abs(value) > 1e-9 else (-1, 1) for value in values]
             rest = a @ x + b
             if rows == 1 or np.linalg.matrix_rank(normals) == rows:
                 assert linprog([0] * rows, A_eq=c, b_eq=-rest, bounds=signs).status == 0, (rhs, x)
@@ -299,34 +299,40 @@ def test_fields_of_cells_alone_have_a_say(seed: int, monkeypatch: pytest.MonkeyP
     n = 2 + seed % 2
     planes, lines = np.array([[1, 0, 0], [0, 1, 0], [1, 1, 0]])[:, :n], ("x", "y", "x + y")
     a, b = drawn.integers(-2, 3, (n, n)) / 2 * (drawn.random((n, n)) < 0.5), drawn.integers(-1, 2, n) / 2
-    chosen = [own for size in (1, 2, 3) for own in combinations(range(3), size)]
+    chosen = [indices for size in (1, 2, 3) for indices in combinations(range(3), size)]
     jumps = drawn.integers(-2, 3, (n, len(chosen))) / 4 * (drawn.random((n, len(chosen))) < 0.5)
-    products = ["*".join(f"sign({lines[k]})" for k in own) for own in chosen]
+    products = ["*".join(f"sign({lines[k]})" for k in indices) for indices in chosen]
     rhs = [sum_of([*row, c, *jump], [*"xyz"[:n], "1", *products]) for row, c, jump in zip(a, b, jumps, strict=True)]
     found = rest_places(ns.System(list("xyz"[:n]), rhs, radius=1).system)
 
     def may_rest(place: np.ndarray) -> bool:
         near = place + drawn.uniform(-1e-7, 1e-7, (400, n))
         signs = np.sign(near @ planes.T)
-        values = near @ a.T + b + np.stack([np.prod(signs[:, list(own)], axis=1) for own in chosen], axis=1) @ jumps.T
+        values = (
+            near @ a.T
+            + b
+            + np.stack([np.prod(signs[:, list(indices)], axis=1) for indices in chosen], axis=1) @ jumps.T
+        )
         values = np.unique(np.round(values, 5), axis=0)
         matrix = np.vstack([values.T, np.full(len(values), 10.0)])
         return bool(nnls(matrix, [*np.zeros(n), 10.0])[1] < 2e-5)
 
-    known = [np.array([list(map(float, corner)) for corner in own.corners]) for own in found.stretches]
-    known += [np.array([list(map(float, own.place))]) for own in found.places]
-    for corners in known:
+    hulls = [np.array([list(map(float, corner)) for corner in stretch.corners]) for stretch in found.stretches]
+    hulls += [np.array([list(map(float, place.place))]) for place in found.places]
+    for corners in hulls:
         assert all(may_rest(weights @ corners) for weights in drawn.dirichlet(np.ones(len(corners)), 3)), rhs
     boxes = [
-        (np.array([float(x.lower()) for x in own]), np.array([float(x.upper()) for x in own])) for own in found.left
+        (np.array([float(x.lower()) for x in box]), np.array([float(x.upper()) for x in box])) for box in found.left
     ]
     for share in drawn.uniform(-0.9, 0.9, (12, n)):
         for normal in planes:
             place = share - (share @ normal) / (normal @ normal) * normal
-            for own in (place, place * (np.arange(n) > 1)):
-                if may_rest(own) and np.abs(own).max() <= 1:
-                    is_known = any(hull_distance(own, corners) < 1e-4 for corners in known)
-                    assert is_known or any(np.all((low <= own + 1e-6) & (own - 1e-6 <= high)) for low, high in boxes)
+            for point in (place, place * (np.arange(n) > 1)):
+                if may_rest(point) and np.abs(point).max() <= 1:
+                    is_known = any(hull_distance(point, corners) < 1e-4 for corners in hulls)
+                    assert is_known or any(
+                        np.all((low <= point + 1e-6) & (point - 1e-6 <= high)) for low, high in boxes
+                    )
 
 
 @pytest.mark.parametrize(
@@ -343,8 +349,8 @@ def test_fields_of_cells_alone_have_a_say(seed: int, monkeypatch: pytest.MonkeyP
 def test_a_corner_of_three_lines_is_found(rhs: list[str]) -> None:
     """All cells around it have a say, and no others."""
     places = rest_places(ns.System(["x", "y"], rhs, radius=1).system).places
-    (own,) = (place for place in places if place.exact is not None and not any(place.exact))
-    assert (own.kind, len(own.surfaces)) == (RestKind.CORNER, 3)
+    (corner,) = (place for place in places if place.exact is not None and not any(place.exact))
+    assert (corner.kind, len(corner.surfaces)) == (RestKind.CORNER, 3)
 
 
 def test_dry_friction_on_two_masses_holds_a_polygon() -> None:
@@ -352,11 +358,11 @@ def test_dry_friction_on_two_masses_holds_a_polygon() -> None:
     rhs = ["v", "w", "-2*q + p - sign(v)", "q - 2*p - 2*sign(w)"]
     result = ns.System(["q", "p", "v", "w"], rhs, radius=2).equilibria()
     assert result.exit_status == 0
-    (own,) = result.facts()["polytopes"]
-    assert [tuple(corner[:2]) for corner in own["corners"]] == [(-4 / 3, -5 / 3), (0, -1), (4 / 3, 5 / 3), (0, 1)]
+    (polytope,) = result.facts()["polytopes"]
+    assert [tuple(corner[:2]) for corner in polytope["corners"]] == [(-4 / 3, -5 / 3), (0, -1), (4 / 3, 5 / 3), (0, 1)]
     dead = [f"(Abs({name} + 1) - Abs({name} - 1))/2 - {name}" for name in "xy"]
-    (own,) = ns.System(["x", "y"], dead, radius=2).equilibria().facts()["polytopes"]
-    assert list(map(tuple, own["corners"])) == [(-1, -1), (-1, 1), (1, 1), (1, -1)]
+    (polytope,) = ns.System(["x", "y"], dead, radius=2).equilibria().facts()["polytopes"]
+    assert list(map(tuple, polytope["corners"])) == [(-1, -1), (-1, 1), (1, 1), (1, -1)]
 
 
 RESTS = [
@@ -379,9 +385,9 @@ def test_nothing_else_rests_where_a_place_attracts(rhs: str, places: int) -> Non
 def test_a_second_place_where_one_attracts_is_a_contradiction(monkeypatch: pytest.MonkeyPatch) -> None:
     system = stated("-x**3; -y").system
     found = rest_places(system)
-    (own,) = found.places
-    second = replace(own, place=(arb(1) / 8, arb(0)), exact=None)
-    monkeypatch.setattr(decided, "rest_places", lambda _: replace(found, places=(own, second)))
+    (first,) = found.places
+    second = replace(first, place=(arb(1) / 8, arb(0)), exact=None)
+    monkeypatch.setattr(decided, "rest_places", lambda _: replace(found, places=(first, second)))
     with pytest.raises(ContradictionError, match=r"as \(0.125, 0\), is certified to come to it; but what starts"):
         decided.decided_places(system)
     zero, end = system.field.zero, system.field.rational(Fraction(1, 8))

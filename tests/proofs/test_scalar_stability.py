@@ -140,30 +140,30 @@ def assert_true(record: Record, source: random.Random) -> None:
         else:
             fastest = max(map(max, beside))  # no formula of a degree that is read is so slow there that floats see zero
             assert fastest < 0 or (fastest == 0 and verdict == "stable"), record["statement"]
-    for own in claims(record, "attracts"):
+    for region in claims(record, "attracts"):
         size, level = (
-            (FAR, math.inf) if own == EVERYWHERE else (float(Fraction(own[key])) for key in ("within", "below"))
+            (FAR, math.inf) if region == EVERYWHERE else (float(Fraction(region[key])) for key in ("within", "below"))
         )
         for displacement in (source.uniform(-size, size) for _ in range(60)):
-            if own == EVERYWHERE or value(own["function"], x=displacement) < level:
+            if region == EVERYWHERE or value(region["function"], x=displacement) < level:
                 assert max(speeds(record, displacement)) < 1e-9, (record["statement"], displacement)
-    for own in claims(record, "rate"):
-        kappa, power = float(Fraction(own["kappa"])), ("finite", "exponential", "algebraic").index(own["kind"])
-        size = FAR if own["within"] is None else float(Fraction(own["within"]))
+    for rate in claims(record, "rate"):
+        kappa, power = float(Fraction(rate["kappa"])), ("finite", "exponential", "algebraic").index(rate["kind"])
+        size = FAR if rate["within"] is None else float(Fraction(rate["within"]))
         for displacement in (source.uniform(-size, size) for _ in range(60)):
-            v, wider = (float(value(own["function"], x=displacement * factor)) for factor in (1, 1 + 1e-7))
+            v, wider = (float(value(rate["function"], x=displacement * factor)) for factor in (1, 1 + 1e-7))
             fall = -(wider - v) / (1e-7 * abs(displacement)) * max(speeds(record, displacement))
             assert fall > (1 - 1e-5) * kappa * v**power, (record["statement"], displacement)
 
 
 def starts(record: Record) -> tuple[float, float]:
     """The ends of the largest interval about the point on which V is below the level, to six digits of the cube."""
-    own = next(own for own in claims(record, "attracts") if own != EVERYWHERE)
-    at, size = (float(Fraction(text)) for text in (record["statement"]["subject"]["at"][0], own["within"]))
+    region = next(claim for claim in claims(record, "attracts") if claim != EVERYWHERE)
+    at, size = (float(Fraction(text)) for text in (record["statement"]["subject"]["at"][0], region["within"]))
     ends = []
     for side in (-1, 1):
         steps = size * np.linspace(0, 1 - 1e-9, 200_001)
-        inside = [value(own["function"], x=side * float(s)) < float(own["below"]) for s in steps[::200]]
+        inside = [value(region["function"], x=side * float(s)) < float(region["below"]) for s in steps[::200]]
         ends.append(at + side * float(steps[::200][np.flatnonzero(inside)[-1]]))
     return ends[0], ends[1]
 
@@ -228,8 +228,8 @@ def test_true_claims_are_certified(name: str) -> None:
 
 def test_an_end_that_is_rational_is_exact() -> None:
     """Every start up to the equilibrium at 1/3 is stated, though V stands still there."""
-    (own,) = claims(certificate_of(decide_system(built(["-x*(1 - 3*x)"], radius=1))), "attracts")
-    assert (own["function"], own["within"], own["below"]) == ("relu(x)**2/(1/9) + relu(-x)**2/(1)", "1", "1")
+    (region,) = claims(certificate_of(decide_system(built(["-x*(1 - 3*x)"], radius=1))), "attracts")
+    assert (region["function"], region["within"], region["below"]) == ("relu(x)**2/(1/9) + relu(-x)**2/(1)", "1", "1")
 
 
 @pytest.mark.parametrize("seed", range(40))

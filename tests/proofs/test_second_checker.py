@@ -75,8 +75,8 @@ def text_of(name: str) -> str:
         record = certificate_of(decide_system(named(name)))
     except NoCertificateError:
         return ""
-    known = without_newer(record)
-    return json.dumps(known) if is_known(known) else ""
+    older = without_newer(record)
+    return json.dumps(older) if is_known(older) else ""
 
 
 def without_newer(record: Record) -> Record:
@@ -100,7 +100,7 @@ def is_newer(entry: Record) -> bool:
 def is_known(record: Record) -> bool:
     """Whether the second checker knows all of a certificate."""
     entries, about = record["evidence"], record["statement"]["subject"]
-    theorems = {own["theorem"] for own in entries}
+    theorems = {entry["theorem"] for entry in entries}
     return bool(entries) and theorems <= set(THEOREMS) and "roots" not in about and "numbers" not in about
 
 
@@ -132,13 +132,13 @@ def test_both_accept_systems_in_three_to_six_states(known: int) -> None:
 )
 def test_both_checkers_count_waves_alike(side: tuple[str, str], order: int) -> None:
     system = read_system({"states": ["x", "y"], "rhs": [[*side]], "at": ["0", "0"], "order": order})
-    own = [
+    fields = [
         [formula.on(no_sign) for formula in field]
         for field in system.fields({"x": variable(2, 0), "y": variable(2, 1)})
     ]
     other = Reading({"x": GENS[0], "y": GENS[1]}, order=order).fields(side)
     as_fractions = [[{e[:2]: Fraction(str(c)) for e, c in terms(part)} for part in field] for field in other]
-    assert [[part.terms for part in field] for field in own] == as_fractions
+    assert [[part.terms for part in field] for field in fields] == as_fractions
 
 
 @few(1)
@@ -159,7 +159,7 @@ def test_both_checkers_agree_on_mutants(name: str, seed: int) -> None:
 
 def entry_without(record: Record, key: str) -> Record:
     (entry, *others) = record["evidence"]
-    proofs = {name: own for name, own in entry["proofs"].items() if name != key}
+    proofs = {name: proof for name, proof in entry["proofs"].items() if name != key}
     return {**record, "evidence": [{**entry, "proofs": proofs}, *others]}
 
 
@@ -181,29 +181,33 @@ def test_both_checkers_reject(name: str) -> None:
         {**record, "statement": {**statement, "claims": [{"stability": "certain"}]}},
         {**record, "statement": {**statement, "subject": {**statement["subject"], "at": ["0"]}}},
     ]
-    for own in forged:
-        assert all(both(own))
+    for forgery in forged:
+        assert all(both(forgery))
 
 
 def test_the_corpus_is_accepted() -> None:
     """All good ones of theorems that the second checker knows, in one to eight states."""
-    known = {name: own for name, own in good_certificates().items() if is_known(own) and without_newer(own) is own}
-    refused = {name: second_checker.refusal(own) for name, own in known.items()}
+    records = {
+        name: record
+        for name, record in good_certificates().items()
+        if is_known(record) and without_newer(record) is record
+    }
+    refused = {name: second_checker.refusal(record) for name, record in records.items()}
     assert {why for why in refused.values() if why} <= {CURVED}
-    assert {len(own["statement"]["subject"]["states"]) for own in known.values()} == set(range(1, 9))
-    assert len(known) >= 200
+    assert {len(record["statement"]["subject"]["states"]) for record in records.values()} == set(range(1, 9))
+    assert len(records) >= 200
 
 
 @pytest.mark.parametrize("start", keep(1, range(8)))
 def test_what_is_forged_of_the_corpus_is_rejected(start: int) -> None:
     """Whatever the first checker must reject."""
-    good, seen = good_certificates(), 0
-    for own in bad_certificates()[start::8]:
-        if own.of not in good or own.text or not is_known(good[own.of]):
+    good, count = good_certificates(), 0
+    for forgery in bad_certificates()[start::8]:
+        if forgery.of not in good or forgery.text or not is_known(good[forgery.of]):
             continue
-        seen += 1
-        assert second_checker.refusal(json.loads(forged_text(own, good))), own
-    assert seen
+        count += 1
+        assert second_checker.refusal(json.loads(forged_text(forgery, good))), forgery
+    assert count
 
 
 FORMULAS = [
@@ -293,7 +297,7 @@ def by_signs(about: Record) -> str:
     for side in (1, -1):
         place = {about["states"][0]: ZERO + number(about["at"][0]) + side * BESIDE}
         reading = Reading(place, sign, about.get("order", 0))
-        outward |= {side * sign(value) for own in about["rhs"] for (value,) in reading.fields(own)}
+        outward |= {side * sign(value) for rhs in about["rhs"] for (value,) in reading.fields(rhs)}
     return {1: "unstable", 0: "stable", -1: "asymptotically stable"}[max(outward)]
 
 
@@ -302,16 +306,18 @@ def test_systems_in_one_state(rhs: str) -> None:
     record = certificate_of(decide_system(ns.System(["x"], [rhs]).system))
     assert {"stability": ONE_STATE[rhs]} in record["statement"]["claims"]
     assert by_signs(record["statement"]["subject"]) == ONE_STATE[rhs]
-    known = without_newer(record)
-    assert not is_known(known) or both(known) == ("", "")
+    older = without_newer(record)
+    assert not is_known(older) or both(older) == ("", "")
 
 
 def test_certificates_in_one_state() -> None:
     """Of all theorems."""
-    claims = [own["statement"] for own in good_certificates().values()]
+    claims = [record["statement"] for record in good_certificates().values()]
     listed = [
-        own for own in claims if len(own["subject"]["states"]) == 1 and not {"roots", "numbers"} & set(own["subject"])
+        statement
+        for statement in claims
+        if len(statement["subject"]["states"]) == 1 and not {"roots", "numbers"} & set(statement["subject"])
     ]
-    for own in listed:
-        assert {"stability": by_signs(own["subject"])} in own["claims"], own
+    for statement in listed:
+        assert {"stability": by_signs(statement["subject"])} in statement["claims"], statement
     assert len(listed) >= 50

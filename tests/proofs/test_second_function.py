@@ -48,14 +48,14 @@ def certificate(rhs: Any, function: str, states: str = "x y", radius: str | None
 
     It is searched once, and may be changed.
     """
-    found: Record | None = json.loads(searched(json.dumps([rhs, function, states, radius, more])))
-    return found
+    record: Record | None = json.loads(searched(json.dumps([rhs, function, states, radius, more])))
+    return record
 
 
 @cache
-def searched(asked: str) -> str:
+def searched(key: str) -> str:
     """That certificate as text."""
-    rhs, function, states, radius, more = json.loads(asked)
+    rhs, function, states, radius, more = json.loads(key)
     return json.dumps(shown_by(rhs, function, states, radius, more))
 
 
@@ -69,11 +69,17 @@ def shown_by(rhs: Any, function: str, states: str, radius: str | None, more: Rec
         return None
     hypotheses: Record = {"cells": cells, "function": function, "second": second}
     if "direction" in more:
-        entry, shown = search.entry(read_system(subject), "instability", {**hypotheses, **more})
+        entry, claims = search.entry(read_system(subject), "instability", {**hypotheses, **more})
     else:
-        own = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
-        entry, shown = search.entry(read_system(subject), "lyapunov", {**hypotheses, **own, **more})
-    return {"version": VERSION, "statement": {"subject": subject, "claims": shown}, "evidence": [entry]}
+        defaults = {
+            "verdict": "asymptotically stable",
+            "everywhere": False,
+            "level": None,
+            "below": False,
+            "rate": None,
+        }
+        entry, claims = search.entry(read_system(subject), "lyapunov", {**hypotheses, **defaults, **more})
+    return {"version": VERSION, "statement": {"subject": subject, "claims": claims}, "evidence": [entry]}
 
 
 def oscillator(friction: str, potential: str) -> tuple[list[str], str]:
@@ -151,9 +157,9 @@ def test_what_leaves_is_certified(damping: str) -> None:
 def test_functions_of_reversed_time(force: str) -> None:
     """The energy and W of relays that gain energy are found; a path in floats gains it."""
     system = built(["y", force], radius="1/2")
-    found = find_weak_growth(system)
-    assert found is not None
-    entry, claims = found
+    growth = find_weak_growth(system)
+    assert growth is not None
+    entry, claims = growth
     assert claims == [{"stability": "unstable"}]
     statement = {"subject": about(system), "claims": claims}
     assert refused({"version": VERSION, "statement": statement, "evidence": [entry]}) == ""
@@ -199,15 +205,15 @@ def test_places_at_which_other_functions_failed_are_looked_at_first(monkeypatch:
         show(search, claim)
 
     monkeypatch.setattr(Search, "show", noted)
-    found = find_second(subject, cells, energy, Search())
+    second = find_second(subject, cells, energy, Search())
     names = [name for name in asked if name.startswith("cell")]
     last = max(set(names), key=names.index)
-    assert found is not None
+    assert second is not None
     assert names[0] != last
     search = Search()
     search.missed[last] = Claim(last, (), strict=True)
     asked.clear()
-    assert find_second(subject, cells, energy, search) == found
+    assert find_second(subject, cells, energy, search) == second
     first = next(name for name in asked if name.startswith("cell"))
     assert last.startswith(first)
     assert not names[0].startswith(first)
@@ -215,12 +221,12 @@ def test_places_at_which_other_functions_failed_are_looked_at_first(monkeypatch:
 
 @pytest.mark.parametrize("count", keep(1, [8, 30]))
 def test_random_dissipative_systems_against_observability(count: int) -> None:
-    known: Counter[tuple[bool, bool]] = Counter()
+    counts: Counter[tuple[bool, bool]] = Counter()
     for system in dissipative_systems(count):
         record = certificate(list(system.rhs), system.energy, " ".join(system.states))
         assert record is None or refused(record) == ""
-        known[record is not None, system.attracts] += 1
-    assert set(known) == {(True, True), (False, False)}, known  # complete on these
+        counts[record is not None, system.attracts] += 1
+    assert set(counts) == {(True, True), (False, False)}, counts  # complete on these
 
 
 # ---- forged --------------------------------------------------------------------------------------
@@ -348,8 +354,8 @@ def lost_along(values: Callable[[Floats], Floats], place: Floats, half: float) -
 def originals(count: int = 5) -> list[Record]:
     """Valid certificates."""
     names = ("cubic friction", "relay and cubic friction", "friction above", "friction on the right", "hard spring")
-    found = [certificate(*ATTRACTING[name]) for name in names[:count]]
-    return [record for record in found if record is not None]
+    records = [certificate(*ATTRACTING[name]) for name in names[:count]]
+    return [record for record in records if record is not None]
 
 
 def test_a_guard_that_is_positive_nowhere_has_a_multiplier() -> None:

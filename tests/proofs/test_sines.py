@@ -62,10 +62,10 @@ def test_values_are_within_two_units() -> None:
 def test_waves_on_triangles_are_within_the_bound() -> None:
     random = np.random.default_rng(2)
     for _ in range(200):
-        v = [Fraction(int(own), 64) for own in random.integers(-300, 300, 3)]
+        v = [Fraction(int(number), 64) for number in random.integers(-300, 300, 3)]
         bound = interpolation_error(int(64 * (max(v) - min(v))), 64) / 2**BITS
         weights = random.dirichlet(np.ones(3), 200)
-        values = np.array([float(own) for own in v])
+        values = np.array([float(number) for number in v])
         for wave in (np.sin, np.cos, np.tanh, np.arctan):
             assert np.abs(wave(weights @ values) - weights @ wave(values)).max() <= bound
 
@@ -76,7 +76,7 @@ def test_the_highest_coefficients_are_those_of_some_ends() -> None:
     corners = [(0, 1), (5, 2), (1, 7)]
     with BUDGET.granted(10**6):
         (field,) = Plane(system, "1/8", [], Proofs({})).fields((), corners)
-        ends = [own.along((3, -2)).on(corners) for own in field.ends()]
+        ends = [end.along((3, -2)).on(corners) for end in field.ends()]
         assert len(ends) == 8
         assert field.along((3, -2)).highest(corners) == list(map(max, zip(*ends, strict=True)))
 
@@ -87,8 +87,8 @@ def test_weights_on_a_side() -> None:
         whole, forms = barycentric((a, b))
         for share in (Fraction(0), Fraction(1, 3), Fraction(1)):
             x, y = (p + share * (q - p) for p, q in zip(a, b, strict=True))
-            found = [sum(c * x**i * y**j for (i, j), c in own.items()) / whole for own in forms]
-            assert found == [1 - share, share]
+            weights = [sum(c * x**i * y**j for (i, j), c in form.items()) / whole for form in forms]
+            assert weights == [1 - share, share]
 
 
 def test_series_hold_sines_and_cosines() -> None:
@@ -96,7 +96,7 @@ def test_series_hold_sines_and_cosines() -> None:
     system = System(("x", "y"), (("sin(2*x - y)*y", "cos(x) - 1"),), (Fraction(0), Fraction(0)))
     with BUDGET.granted(10**6):
         place = {name: variable(2, k, Fraction(1)) for k, name in enumerate(system.states)}
-        fields = [[own.on(lambda _: 0) for own in field] for field in system.fields(place)]
+        fields = [[formula.on(lambda _: 0) for formula in field] for field in system.fields(place)]
     assert len(fields) == 4
     for x, y in np.random.default_rng(3).uniform(-3, 3, (100, 2)):
         stated = (np.sin(2 * x - y) * y, np.cos(x) - 1)
@@ -123,9 +123,9 @@ def test_waves_stand_in_sums_and_products_alone(text: str) -> None:
     subject = {"states": ["x", "y"], "rhs": [["-x", f"-y + {text}"]], "at": ["0", "0"]}
     certificate = check_system(ns.System(["x", "y"], ["-x", "-y"]).system).certificate()
     certificate["statement"]["subject"] = subject
-    said = refusal(certificate, 10**5)
-    assert said
-    assert UNSHOWN not in said
+    reason = refusal(certificate, 10**5)
+    assert reason
+    assert UNSHOWN not in reason
 
 
 SYSTEMS = {
@@ -141,8 +141,8 @@ def test_certificates_speak_of_the_stated_sines(name: str) -> None:
     rhs, formulas = SYSTEMS[name]
     certificate = check_system(ns.System(["x", "y"], rhs).system).certificate()
     subject = certificate["statement"]["subject"]
-    assert formulas <= {own for side in subject["rhs"] for own in side}
-    assert any("sin(" in own or "cos(" in own for side in subject["rhs"] for own in side)
+    assert formulas <= {formula for side in subject["rhs"] for formula in side}
+    assert any("sin(" in formula or "cos(" in formula for side in subject["rhs"] for formula in side)
     assert not refusal(certificate, len(json.dumps(certificate)))
 
 
@@ -175,7 +175,7 @@ def checked(rhs: tuple[str, ...]) -> Any:
     return ns.System(["x", "y"][: len(rhs)], list(rhs)).check()
 
 
-@pytest.mark.parametrize("rhs", [own if len(own) < 2 else pytest.param(own, marks=thorough) for own in KNOWN])
+@pytest.mark.parametrize("rhs", [rhs if len(rhs) < 2 else pytest.param(rhs, marks=thorough) for rhs in KNOWN])
 def test_further_terms_decide(rhs: tuple[str, ...]) -> None:
     """Of those in two states test_another_order_does_not_show_it decides one."""
     verdict, order = KNOWN[rhs]
@@ -217,7 +217,7 @@ def test_values_lie_between_neighbouring_sums(name: str, order: int) -> None:
     ends = [series(name, variable(1, 0), e, order) for e in (0, 1)]
     for k in range(-40, 1 if name == "exp" else 41):
         at = Fraction(k, 8)
-        low, high = sorted(float(sum(c * at ** e[0] for e, c in own.terms.items())) for own in ends)
+        low, high = sorted(float(sum(c * at ** e[0] for e, c in end.terms.items())) for end in ends)
         assert low - 1e-9 <= getattr(math, name)(float(at)) <= high + 1e-9
 
 

@@ -146,7 +146,7 @@ def test_states_that_no_other_one_moves_are_decided_by_themselves(
     rhs: list[str], at: list[int], truth: Translation
 ) -> None:
     result = decide_system(built(rhs, equilibrium=at))
-    drives = any("x" in own for own in rhs[1:]) and truth is ATTRACTS
+    drives = any("x" in formula for formula in rhs[1:]) and truth is ATTRACTS
     assert (result.verdict, result.deciding.theorem) == (truth, Method.CASCADE if drives else Method.STATES)
     assert result.check()
 
@@ -195,12 +195,12 @@ def closed_form(k1: str, k2: str) -> tuple[list[tuple[mpf, mpf]], mpf]:
         w = mp.sqrt(2 * k - a * a)
         first = mp.findroot(lambda s: mp.cos(w * s) + a / w * mp.sin(w * s), mpf(2) / w)
         y = -2 * k / w * mp.exp(a * first) * mp.sin(w * first)
-        t, ratio, found = -y / k, -mp.exp(a * mp.pi / w), []
+        t, ratio, crossings = -y / k, -mp.exp(a * mp.pi / w), []
         for _ in range(6):
-            found.append((t, y))
+            crossings.append((t, y))
             t, y = t + abs(ratio * y - y) / k, ratio * y
-        last, height = found[0]
-        return found, last + abs(height) * (1 - ratio) / k / (1 + ratio)
+        last, height = crossings[0]
+        return crossings, last + abs(height) * (1 - ratio) / k / (1 + ratio)
 
 
 @pytest.mark.parametrize(("k1", "k2"), [("1.5", "1.1"), pytest.param("0.8", "2", marks=thorough)])
@@ -308,8 +308,8 @@ NEVER_EMPTY = ["-..", ".-.", "..-"]  # the tanks' levels near the point: their r
 
 def written(subject: Record, theorem: str, hypotheses: Record) -> Record:
     """A certificate of what a theorem shows; NotShownError where a hypothesis is not shown."""
-    entry, shown = Search().entry(read_subject(subject), theorem, hypotheses)
-    return {"version": VERSION, "statement": {"subject": subject, "claims": shown}, "evidence": [entry]}
+    entry, claims = Search().entry(read_subject(subject), theorem, hypotheses)
+    return {"version": VERSION, "statement": {"subject": subject, "claims": claims}, "evidence": [entry]}
 
 
 def by_roots(rhs: list[str], function: str, verdict: str = STABLE, **more: Any) -> Record:
@@ -375,7 +375,7 @@ def test_sines_beside_roots_are_certified(rhs: list[str], verdict: str) -> None:
 def test_the_region_is_stated_in_the_roots() -> None:
     """V < level within the cube of (root_x, y): starts there end at the point, along Euler polygons."""
     record = certified(WITH_REGION)
-    region = next(own["attracts"] for own in record["statement"]["claims"] if "attracts" in own)
+    region = next(claim["attracts"] for claim in record["statement"]["claims"] if "attracts" in claim)
     assert region["in"] == ["root_x", "y"]
     line = describe(record["statement"])[0]
     assert line.startswith("system in x, y at (0, 0), root_x = sign(x)*sqrt(Abs(x)): asymptotically stable")
@@ -407,12 +407,19 @@ def test_one_solution_that_leaves() -> None:
     rhs = [[f"-{ROOT}", "-y"], ["sqrt(Abs(x))", "-y"]]
     subject = {"states": ["x", "y"], "rhs": rhs, "at": ["0", "0"], "roots": ["x"]}
     mixture = [["+", 1, "1", ["1", "0"]]]
-    own = {"within": "1/2", "surfaces": ["root_x"], "signs": "+", "along": ["y"], "mixture": mixture, "barriers": []}
-    record = written(subject, "escape", {**own, "function": "root_x", "direction": ["1", "0"]})
+    hypotheses = {
+        "within": "1/2",
+        "surfaces": ["root_x"],
+        "signs": "+",
+        "along": ["y"],
+        "mixture": mixture,
+        "barriers": [],
+    }
+    record = written(subject, "escape", {**hypotheses, "function": "root_x", "direction": ["1", "0"]})
     assert (refused(record), record["statement"]["claims"]) == ("", [{"stability": "unstable"}])
     still = [["+", 0, "1", ["1", "0"]]]
     with pytest.raises(NotShownError):
-        written(subject, "escape", {**own, "mixture": still, "function": "root_x", "direction": ["1", "0"]})
+        written(subject, "escape", {**hypotheses, "mixture": still, "function": "root_x", "direction": ["1", "0"]})
 
 
 def test_roots_away_from_zero_in_two_states_and_three() -> None:
@@ -494,7 +501,7 @@ def test_numbers_beside_roots_are_roots_of_polynomials_with_names_of_their_own(n
 def test_what_is_shown_with_one_number_is_not_with_its_negative() -> None:
     record = certified(IRRATIONAL)
     subject = record["statement"]["subject"]
-    subject["rhs"] = [[own.replace("sqrt_2", "(-sqrt_2)") for own in side] for side in subject["rhs"]]
+    subject["rhs"] = [[formula.replace("sqrt_2", "(-sqrt_2)") for formula in side] for side in subject["rhs"]]
     assert is_one_line(refused(record))
 
 
@@ -524,7 +531,7 @@ def test_rates_in_the_time_of_the_roots_are_no_rates() -> None:
     rate = {"kind": "exponential", "kappa": "1/100"}
     with pytest.raises(NotShownError, match="rates in the time of the states"):
         by_roots(TWISTING, "root_x**2 - root_x*y/2 + y**2", rate=rate)
-    assert not any("rate" in own for own in certified(TWISTING)["statement"]["claims"])
+    assert not any("rate" in claim for claim in certified(TWISTING)["statement"]["claims"])
     assert {"arrives": "in finite time"} in certified(TWISTING)["statement"]["claims"]
     assert any("finite time" in line for line in left_out(certified([f"-3/2*{ROOT} + y - x", "-11/10*sgn(x) - x"])))
 

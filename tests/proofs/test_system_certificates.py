@@ -70,8 +70,8 @@ def text_of(name: str) -> str:
 
 
 def record_of(name: str) -> Record:
-    found: Record = json.loads(text_of(name))
-    return found
+    record: Record = json.loads(text_of(name))
+    return record
 
 
 # ---- what is true --------------------------------------------------------------------------------
@@ -221,7 +221,7 @@ def test_every_condition_must_be_shown(name: str) -> None:
     record = record_of(name)
     entry, *others = record["evidence"]
     for k, key in list(enumerate(entry["proofs"]))[:: 3 if name == "slides" else 1]:
-        without = {own: proof for own, proof in entry["proofs"].items() if own != key}
+        without = {condition: proof for condition, proof in entry["proofs"].items() if condition != key}
         proofs = without if k % 2 else {**entry["proofs"], key: {}}
         assert key in refused({**record, "evidence": [{**entry, "proofs": proofs}, *others]})
     more = {**entry["proofs"], "cell +++ field 9": {"squares": []}}
@@ -293,7 +293,7 @@ def relay(seed: int, count: int) -> list[str]:
     names = ["x", "y", "z"][:count]
     others = names[1:] + names[:1]
     pairs = zip(names, others, strict=True)
-    return [f"-{rng.integers(1, 4)}*sign({own}) + ({rng.integers(-4, 5)}/4)*{other}" for own, other in pairs]
+    return [f"-{rng.integers(1, 4)}*sign({name}) + ({rng.integers(-4, 5)}/4)*{other}" for name, other in pairs]
 
 
 FAMILIES = {"smooth": smooth, "relay": relay}

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 import nonsmooth.symbolic.files.scene_file
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import (
+    SignChangingRegion,
     TooManyCells,
-    Unsettled,
     fields_by_signs,
     plane,
     sign_on,
@@ -124,7 +124,7 @@ def test_random_text_is_refused_or_has_the_value_that_python_gives_it(number: in
     field, read, refused = NumberField(), 0, 0
     point = {"x": Fraction(2, 3), "y": Fraction(-5, 7)}
     there = tuple(map(field, point.values()))
-    names = {name: float(own) for name, own in point.items()}
+    names = {name: float(coordinate) for name, coordinate in point.items()}
     values = {name: Polynomial.variable(field, PLANE, name) for name in PLANE}
 
     @settings(max_examples=number)
@@ -132,13 +132,13 @@ def test_random_text_is_refused_or_has_the_value_that_python_gives_it(number: in
     def sample(text: str) -> None:
         nonlocal read, refused
         try:
-            found = parse_piecewise(text, PLANE).polynomial(values, lambda surface: surface(there).sign())
+            polynomial = parse_piecewise(text, PLANE).polynomial(values, lambda surface: surface(there).sign())
         except ExpressionError:
             refused += 1
             return
         read += 1
         expected = value(text, **names)  # the parser has read it
-        assert float(found(there)) == pytest.approx(float(expected), rel=1e-9, abs=1e-9)
+        assert float(polynomial(there)) == pytest.approx(float(expected), rel=1e-9, abs=1e-9)
 
     sample()
     assert min(read, refused) > number // 6
@@ -165,9 +165,9 @@ def test_random_text_is_refused_or_has_the_value_that_python_gives_it(number: in
 def test_surfaces_are_split_into_curves(text: str, sign: int, factors: set[str]) -> None:
     field = NumberField()
     values = {name: Polynomial.variable(field, PLANE, name) for name in PLANE}
-    found = switching_factors(parse_piecewise(text, PLANE).polynomial(values, lambda _: 1))
-    assert found[0] == sign
-    assert {str(factor) for factor in found[1]} == factors
+    split = switching_factors(parse_piecewise(text, PLANE).polynomial(values, lambda _: 1))
+    assert split[0] == sign
+    assert {str(factor) for factor in split[1]} == factors
 
 
 @pytest.mark.parametrize("name", planar_systems())
@@ -457,15 +457,15 @@ def test_patterns_that_no_point_has_are_left_out(load: Load) -> None:
 
 def pieces_in_depth(waiting: list[Region], evaluate: Any) -> list[tuple[Region, Any]]:
     """The slow literal definition: each region is cut until it is settled before the next one is looked at."""
-    found = []
+    pieces = []
     waiting = waiting[::-1]
     while waiting:
         region = waiting.pop()
         try:
-            found.append((region, evaluate(partial(sign_on, region))))
-        except Unsettled as unsettled:
+            pieces.append((region, evaluate(partial(sign_on, region))))
+        except SignChangingRegion as unsettled:
             waiting += list(region.split(unsettled.surface))[::-1]
-    return found
+    return pieces
 
 
 @pytest.mark.parametrize(
@@ -480,8 +480,8 @@ def test_cells_are_those_of_cutting_one_after_the_other(load: Load, formulas: tu
     scene = load(*formulas)
     states = scene.displaced(PLANE)
     regions = square_regions(scene.check.radius)
-    found = smooth_pieces(regions, lambda sign_of: scene.velocity(sign_of, states))
-    assert found == pieces_in_depth(list(regions), lambda sign_of: scene.velocity(sign_of, states))
+    pieces = smooth_pieces(regions, lambda sign_of: scene.velocity(sign_of, states))
+    assert pieces == pieces_in_depth(list(regions), lambda sign_of: scene.velocity(sign_of, states))
 
 
 def test_too_many_cells_are_noticed_before_they_are_found(load: Load) -> None:

@@ -36,7 +36,7 @@ from tests.thorough import few, keep, thorough
 
 # ---- Theorem 4 as a whole: verdicts of known arrays, pruning, and results that do not belong together.
 
-Build: TypeAlias = "Callable[[Arrays], Scene]"
+WheelTolerance: TypeAlias = "Callable[[Arrays], Scene]"
 
 SEEDS = range(12)
 
@@ -47,7 +47,7 @@ def off_center(arrays: Arrays) -> Scene:
     return replace(scene, check=replace(scene.check, equilibrium=there))
 
 
-KNOWN: dict[str, tuple[Build, Theorem4]] = {
+KNOWN: dict[str, tuple[WheelTolerance, Theorem4]] = {
     "four-wheel, roll": (lambda arrays: arrays.four_wheel(ROLL), Theorem4.HOLDS),
     "four-wheel, side": (lambda arrays: arrays.four_wheel(SIDE), Theorem4.HOLDS),
     "four-wheel, tie": (lambda arrays: arrays.four_wheel((1, 1)), Theorem4.HOLDS),

@@ -58,8 +58,8 @@ BLOCKS, UNTIED_BLOCKS = 30, 10
 def compare(arrays: Arrays, wheels: list[Wheel], seed: int) -> Translation:
     result = decide_translation(build_nearest_partition(scene_of(arrays, wheels)))
     assert evidence_holds(result)
-    found = contradiction(result, observe(wheels, seed=seed))
-    assert not found, f"seed {seed}: {found}; {wheels}"
+    reason = contradiction(result, observe(wheels, seed=seed))
+    assert not reason, f"seed {seed}: {reason}; {wheels}"
     return result.verdict
 
 
@@ -141,8 +141,8 @@ def test_verdicts_at_corners_of_cells_agree_with_paths(arrays: Arrays, block: in
         wheels, at, partition = tied_box(arrays, seed)
         result = decide_translation(partition)
         assert evidence_holds(result)
-        found = box_contradiction(result, observe_box(wheels, at))
-        assert not found, f"seed {seed}: {found}; at {at}, {wheels}"
+        reason = box_contradiction(result, observe_box(wheels, at))
+        assert not reason, f"seed {seed}: {reason}; at {at}, {wheels}"
 
 
 def test_a_stable_corner_lets_the_distance_grow_two_hundredfold(arrays: Arrays) -> None:
@@ -284,20 +284,20 @@ def compare_with_trajectories(arrays: Arrays, seed: int, starts: int) -> str:
 
 @pytest.mark.parametrize("block", range(8))
 def test_verdicts_agree_with_trajectories(arrays: Arrays, block: int) -> None:
-    seen = Counter(compare_with_trajectories(arrays, seed, starts=8) for seed in range(10 * block, 10 * block + 10))
-    assert seen["undecided"] == 0
+    counts = Counter(compare_with_trajectories(arrays, seed, starts=8) for seed in range(10 * block, 10 * block + 10))
+    assert counts["undecided"] == 0
 
 
 @thorough  # about all random cases, which `make bench` runs
 def test_all_verdicts_occur(arrays: Arrays) -> None:
-    seen = Counter(compare_with_trajectories(arrays, seed, starts=4) for seed in range(60))
-    assert {"stable", "asymptotically stable", "unstable", "no equilibrium"} <= set(seen)
+    counts = Counter(compare_with_trajectories(arrays, seed, starts=4) for seed in range(60))
+    assert {"stable", "asymptotically stable", "unstable", "no equilibrium"} <= set(counts)
 
 
 @thorough  # five hundred arrays, 32 starts each
 def test_few_verdicts_are_open(arrays: Arrays) -> None:
-    seen = Counter(compare_with_trajectories(arrays, seed, starts=32) for seed in range(1000, 1500))
-    assert seen["undecided"] <= 0.02 * 500
+    counts = Counter(compare_with_trajectories(arrays, seed, starts=32) for seed in range(1000, 1500))
+    assert counts["undecided"] <= 0.02 * 500
 
 
 # ---- What the checker accepts about translation, against paths that share no theory with it ------

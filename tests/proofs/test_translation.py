@@ -174,8 +174,8 @@ def literal_confirms(scene: Scene, witness: Witness) -> bool:
 @thorough  # about all random cases, which `make bench` runs
 def test_all_verdicts_of_this_file_occur(arrays: Arrays) -> None:
     results = [decide(arrays.cocircular(seed)) for seed in SEEDS]
-    found = {result.verdict for result in results}
-    assert {Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE} <= found
+    verdicts = {result.verdict for result in results}
+    assert {Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE} <= verdicts
     assert sum(refutes(result) for result in results) == 17  # of 30: the others have a region
 
 
@@ -238,12 +238,12 @@ def test_the_region_ends_where_the_literal_rule_first_fails(arrays: Arrays, seed
 @pytest.mark.parametrize("seed", BOUNDED_SEEDS)
 def test_the_region_is_the_same_in_every_square_that_holds_it(arrays: Arrays, seed: int) -> None:
     scene = arrays.cocircular(seed)
-    found = decide(scene).region_radius
-    assert found is not None
+    radius = decide(scene).region_radius
+    assert radius is not None
     grown = replace(scene, check=replace(scene.check, radius=scene.check.radius * 2))
-    assert decide(grown).region_radius == found
+    assert decide(grown).region_radius == radius
     shrunk = replace(scene, check=replace(scene.check, radius=scene.field(Fraction(1, 5))))
-    assert decide(shrunk).region_radius == min(found, scene.field(Fraction(1, 5)))
+    assert decide(shrunk).region_radius == min(radius, scene.field(Fraction(1, 5)))
 
 
 def test_the_region_ends_where_v_stops_falling(arrays: Arrays) -> None:

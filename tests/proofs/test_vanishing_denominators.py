@@ -87,7 +87,7 @@ def test_paths_of_all_methods_come_to_the_point(place: tuple[int, int], method: 
 
     Away from the origin a denominator that is multiplied out is a small difference of large numbers.
     """
-    x, y = (f"({name} - {own})" for name, own in zip("xy", place, strict=True))
+    x, y = (f"({name} - {coordinate})" for name, coordinate in zip("xy", place, strict=True))
     size = f"(Abs{x} + Abs{y})"
     start = (place[0] + 0.3, place[1] + 0.1)
     rhs = [f"-{x}/{size}", f"-2*{y}/{size}"]

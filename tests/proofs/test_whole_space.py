@@ -110,7 +110,7 @@ def test_forged_claims_are_rejected(key: str, value: object) -> None:
     certificate = certificate_of(decided(GLOBAL[0]))
     assert not refusal(certificate, SIZE)
     forged = deepcopy(certificate)
-    entry = next(own for own in forged["evidence"] if "proper" in own["hypotheses"])
+    entry = next(e for e in forged["evidence"] if "proper" in e["hypotheses"])
     entry["hypotheses"][key] = value
     assert refusal(forged, SIZE)
 
@@ -172,8 +172,8 @@ def system(rhs: tuple[str, ...] | list[list[str]]) -> ns.System:
 def test_every_start_arrives_by_a_searched_function(name: str) -> None:
     result = system(SEARCHED[name]).check()
     assert result.evidence.reach.everywhere
-    _, shown = show_evidence(*parse(certificate_text(result.certificate()).encode()))
-    assert {"attracts": "everywhere"} in shown
+    _, claims = show_evidence(*parse(certificate_text(result.certificate()).encode()))
+    assert {"attracts": "everywhere"} in claims
 
 
 @pytest.mark.parametrize("name", LOCAL)
@@ -186,7 +186,7 @@ def test_not_every_start_is_said_to_arrive(name: str) -> None:
 def test_a_sum_that_is_rounded_to_zero_is_not_proposed() -> None:
     """Beside a logarithm of some weight it was; a report of this system ended in an ExpressionError."""
     system = built(["y*z/3 - x", "-y - x*z", "1e6*x*y/3 - z"])
-    assert all(str(own) for pair in logarithmic_functions(system) for own in pair)
+    assert all(str(function) for pair in logarithmic_functions(system) for function in pair)
 
 
 def test_starts_far_away_arrive_in_floats() -> None:

@@ -33,7 +33,7 @@ from nonsmooth.reports.output.console import run
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.simulations import system_maps
 from nonsmooth.reports.simulations.maps import SettleMapResult
-from nonsmooth.reports.simulations.system_maps import SystemMap, Whereabouts, mapped
+from nonsmooth.reports.simulations.system_maps import PathLocation, SystemMap, mapped
 from nonsmooth.symbolic.files.scene_file import load_system
 from tests.oracles.ellipse_dissipation import EllipseDissipation
 from tests.proofs.forged import with_deciding, with_reach
@@ -196,7 +196,7 @@ def test_ends_are_those_of_an_integrator(found: SystemMap) -> None:
     for start, end in zip(found.starts[::3], found.ends[::3], strict=True):
         expected = solve_ivp(rate, (0, 6.0), start, rtol=1e-10, atol=1e-12, max_step=0.05).y[:, -1]
         assert end == pytest.approx(expected, rel=1e-4, abs=1e-6)
-    assert {Whereabouts.NEARER, Whereabouts.OUTSIDE, Whereabouts.ARRIVED} <= set(found.whereabouts)
+    assert {PathLocation.NEARER, PathLocation.OUTSIDE, PathLocation.ARRIVED} <= set(found.whereabouts)
     assert found.ratios[24] == 0  # of the point itself, in the middle of 7 x 7
 
 
@@ -205,7 +205,7 @@ def test_rounding_does_not_decide_where_a_closed_orbit_ends() -> None:
     found = ns.load("relay-oscillator").map(4, until=10)
     assert isinstance(found, SystemMap)
     assert found.ratios == pytest.approx(np.ones(16), abs=1e-11)
-    assert set(found.whereabouts) == {Whereabouts.FARTHER}
+    assert set(found.whereabouts) == {PathLocation.FARTHER}
 
 
 def test_the_parts_add_up_to_all_starts(found: SystemMap) -> None:
@@ -256,14 +256,14 @@ def test_paths_that_come_home_like_a_power_of_time_contradict_nothing(damping: s
 
 
 @pytest.mark.parametrize("size", ["sqrt(x**2 + y**2)", "(Abs(x) + Abs(y))"])
-@pytest.mark.parametrize(("sign", "kind"), [("-", Whereabouts.ARRIVED), ("", Whereabouts.OUTSIDE)])
-def test_paths_come_to_a_point_where_a_denominator_is_zero(size: str, sign: str, kind: Whereabouts) -> None:
+@pytest.mark.parametrize(("sign", "kind"), [("-", PathLocation.ARRIVED), ("", PathLocation.OUTSIDE)])
+def test_paths_come_to_a_point_where_a_denominator_is_zero(size: str, sign: str, kind: PathLocation) -> None:
     """They arrive within half a unit of time; the start at the point itself is followed only if the point is stable."""
     shown = ns.System(("x", "y"), [f"{sign}x/{size}", f"{sign}y/{size}"]).map(3, until=1.0)
     assert isinstance(shown, SystemMap)
     beside = [own for start, own in zip(shown.starts, shown.whereabouts, strict=True) if start.any()]
     assert set(beside) == {kind}
-    assert shown.whereabouts[4] is (kind if sign else Whereabouts.LOST)
+    assert shown.whereabouts[4] is (kind if sign else PathLocation.LOST)
 
 
 def test_a_system_that_arrives_is_not_unstable(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -288,9 +288,9 @@ def test_paths_of_a_map_that_end_early_are_not_said_to_be_anywhere(monkeypatch: 
     system = ns.System(("x", "y"), ["y", "-x"], radius=1)
     monkeypatch.setattr(system_maps, "MAX_WORK", 20_000)
     found = mapped(PhasePortrait(system.system), 3, 2_000.0)
-    assert 0 < found.whereabouts.count(Whereabouts.LOST) < 9
+    assert 0 < found.whereabouts.count(PathLocation.LOST) < 9
     for start, end, kind in zip(found.starts, found.ends, found.whereabouts, strict=True):
-        if kind is Whereabouts.LOST:
+        if kind is PathLocation.LOST:
             assert np.isnan(end).all()
         else:
             turn = complex(*start) * np.exp(-2_000j)

@@ -22,7 +22,7 @@ from nonsmooth.proofs.many_states.reshaped_region import EFFORTS as RESHAPED
 from nonsmooth.proofs.system_certificates import find_region_of_simplices
 from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import BasinEffort
-from nonsmooth.proofs.systems.basin_rings import Pace
+from nonsmooth.proofs.systems.basin_rings import RingGrowth
 from nonsmooth.proofs.systems.basin_shells import EFFORTS as SHELLS
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -37,8 +37,8 @@ from tests.thorough import keep, thorough
 # home.
 
 
-COARSE = replace(EFFORTS["fast"], pace=Pace(0.12, 0.03, 0.04), starts=21)
-COARSER = replace(EFFORTS["fast"], pace=Pace(0.12, 0.06, 0.04), starts=11)
+COARSE = replace(EFFORTS["fast"], pace=RingGrowth(0.12, 0.03, 0.04), starts=21)
+COARSER = replace(EFFORTS["fast"], pace=RingGrowth(0.12, 0.06, 0.04), starts=11)
 STEEP = 1e-3  # width over which the oracle's sign rises
 VAN_DER_POL = """
 name = "van der Pol, reversed"
@@ -223,7 +223,7 @@ def test_the_picture() -> None:
 
 # ---- Regions of arrays as triangles at the command line: words, JSON, certificates, and why there is none.
 
-COARSE_ARRAY = BasinEffort(Pace(0.2, 0.1, 0.08), 9, way=12.0, triangles=40_000)
+COARSE_ARRAY = BasinEffort(RingGrowth(0.2, 0.1, 0.08), 9, way=12.0, triangles=40_000)
 
 
 @pytest.fixture

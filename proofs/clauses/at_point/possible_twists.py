@@ -86,7 +86,7 @@ def possible_twists(scene: Scene) -> tuple[PossibleTwist, ...]:
 
 
 @dataclass(frozen=True)
-class _Shadow:
+class _ProgramColumns:
     """The columns of the linear program: places, and ``(1, F)`` of each wheel and corner."""
 
     places: tuple[Vector, ...]
@@ -126,13 +126,13 @@ def _places(scene: Scene, twist: Twist) -> tuple[Vector, ...]:
             hull = _hull([*hull, place])
 
 
-def _shadow(scene: Scene, twist: Twist) -> _Shadow:
+def _shadow(scene: Scene, twist: Twist) -> _ProgramColumns:
     places, columns = [], []
     for wheel_index, wheel in enumerate(scene.wheels):
         for force in _corner_forces(scene, wheel_index, twist):
             places.append(wheel.position)
             columns.append((scene.field.one, *force))
-    return _Shadow(tuple(places), tuple(columns))
+    return _ProgramColumns(tuple(places), tuple(columns))
 
 
 def _corner_forces(scene: Scene, place: int, twist: Twist) -> Iterator[Triple]:

@@ -365,7 +365,7 @@ class FeedbackResult:
         Under a law by ``V = c^T P c + w theta^2`` it is that with ``c^T P v < 0``.
         """
         if self.cascade is None:
-            return [-demand.sign(self.lyapunov) for demand in self.inputs.demands]
+            return [-sign_condition.sign(self.lyapunov) for sign_condition in self.inputs.sign_conditions]
         signs = {wheel.index: s for wheel, s in zip(self.cascade.wheels, self.cascade.signs, strict=True)}
         return [signs[data.nearest.index] for data in self.inputs.local]
 
@@ -399,7 +399,7 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
         rate = certified_rate(inputs, squares)
         return FeedbackResult(Feedback.STABILIZABLE, reason, inputs, lyapunov=squares, rate=rate)
     found = []
-    for shape in find_shapes(inputs.demands):
+    for shape in find_shapes(inputs.sign_conditions):
         lyapunov = balanced(inputs, shape)
         found.append((certified_rate(inputs, lyapunov), lyapunov))
     if not found:
@@ -416,7 +416,7 @@ def _by_cascade(inputs: RowInputs, stalling: InputCell, stall: Point, squares: C
     """The law that takes theta first where no such V was found, or why there is none of that form."""
     from nonsmooth.proofs.clauses.feedback.cascade_law import find_cascade
 
-    none_serves = not shape_regions(inputs.demands)
+    none_serves = not shape_regions(inputs.sign_conditions)
     cascade = find_cascade(inputs.fan)
     if cascade is not None:
         none = "no c^T P c + w theta^2 serves" if none_serves else "no rounded c^T P c + w theta^2 serves"

@@ -114,10 +114,10 @@ class InputCell:
         return 0 if self.lever is None else self.lever.sign()
 
     @cached_property
-    def demand(self) -> Demand:
+    def sign_condition(self) -> StrictSignCondition:
         """What a control Lyapunov function must satisfy in the cell."""
         vertices = tuple(vertex for vertex in self.cell.polygon.vertices if any(vertex))
-        return Demand(vertices, self.nearest.direction)
+        return StrictSignCondition(vertices, self.nearest.direction)
 
     def stall(self) -> Point | None:
         """A nonzero point of the closed cell with ``c . d_i = 0``, where there is one."""
@@ -184,9 +184,9 @@ class RowInputs:
         return tuple(data for data in self.cells if data not in self.local)
 
     @property
-    def demands(self) -> list[Demand]:
+    def sign_conditions(self) -> list[StrictSignCondition]:
         """What a control Lyapunov function must satisfy near the equilibrium."""
-        return [data.demand for data in self.local]
+        return [data.sign_condition for data in self.local]
 
     @property
     def acting(self) -> list[Wheel]:
@@ -397,7 +397,7 @@ def sum_of_squares(length: Fraction) -> ControlLyapunov:
 
 
 @dataclass(frozen=True)
-class Demand:
+class StrictSignCondition:
     """``c^T P d_i`` is to have one strict sign at the nonzero vertices of a closed cell at the equilibrium.
 
     Attributes:
@@ -422,31 +422,31 @@ class Demand:
             yield HalfPlane((-along, -across), constant)
 
 
-def shape_regions(demands: Sequence[Demand]) -> list[tuple[tuple[int, ...], Polygon]]:
-    """All polygons of (e, f) that meet the unit disc and on whose inside every demand has one strict sign.
+def shape_regions(sign_conditions: Sequence[StrictSignCondition]) -> list[tuple[tuple[int, ...], Polygon]]:
+    """All polygons of (e, f) that meet the unit disc and on whose inside every sign_condition has one strict sign.
 
-    The signs of the demands stand beside each.
+    The signs of the sign_conditions stand beside each.
     """
-    zero = demands[0].direction[0].field.zero
+    zero = sign_conditions[0].direction[0].field.zero
     start = square((zero, zero), zero + 1)
     found: list[tuple[tuple[int, ...], Polygon]] = [((), start)]
-    for demand in demands:
+    for sign_condition in sign_conditions:
         before, found = found, []
         for signs, polygon in before:
             for side in (1, -1):
-                part = clipped_by(polygon, demand.half_planes(side))
+                part = clipped_by(polygon, sign_condition.half_planes(side))
                 if part is not None and _meets_disc(part):
                     found.append(((*signs, side), part))
     return found
 
 
-def find_shapes(demands: Sequence[Demand]) -> Iterator[Shape]:
+def find_shapes(sign_conditions: Sequence[StrictSignCondition]) -> Iterator[Shape]:
     """One rational (e, f) for each region, verified exactly; none where rounding leaves a thin region."""
-    for signs, _ in shape_regions(demands):
+    for signs, _ in shape_regions(sign_conditions):
         falling = [
-            (vertex, (demand.direction[0] * -side, demand.direction[1] * -side))
-            for demand, side in zip(demands, signs, strict=True)
-            for vertex in demand.vertices
+            (vertex, (sign_condition.direction[0] * -side, sign_condition.direction[1] * -side))
+            for sign_condition, side in zip(sign_conditions, signs, strict=True)
+            for vertex in sign_condition.vertices
         ]
         proposal = propose_shape(falling)
         if proposal is None:
@@ -454,7 +454,7 @@ def find_shapes(demands: Sequence[Demand]) -> Iterator[Shape]:
         for denominator in DENOMINATORS:
             e, f = (Fraction(round(x * denominator), denominator) for x in proposal)
             trial = ControlLyapunov((e, f))
-            if trial.is_positive and all(demand.sign(trial) for demand in demands):
+            if trial.is_positive and all(sign_condition.sign(trial) for sign_condition in sign_conditions):
                 yield e, f
                 break
 

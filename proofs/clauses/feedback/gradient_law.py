@@ -315,7 +315,7 @@ def build_level_region(inputs: RowInputs, lyapunov: ControlLyapunov) -> LevelReg
     support = inputs.support
     if support is not None and not support.stands:
         return None
-    stalling = [data for data in inputs.away if data.lever is None or not data.demand.sign(lyapunov)]
+    stalling = [data for data in inputs.away if data.lever is None or not data.sign_condition.sign(lyapunov)]
     sides = [*segments(stalling, inputs.radius), *(() if support is None else support.sides)]
     level = confirmed(least_level(sides, lyapunov, inputs.length), lambda value: are_above(sides, lyapunov, value))
     return None if level is None else LevelRegion(lyapunov, level)

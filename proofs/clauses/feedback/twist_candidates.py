@@ -305,7 +305,7 @@ class PromisingTwists:
         edges = np.cross(planes[self._pairs[:, 0]], planes[self._pairs[:, 1]])
         lengths = np.linalg.norm(edges, axis=1, keepdims=True)
         self._edges = np.divide(edges, lengths, out=np.zeros_like(edges), where=lengths > 0)
-        grip = _Grip(scene, region)
+        grip = _ForceSupports(scene, region)
         self._margin = np.concatenate([grip.margin(block) for block in blocks(self._edges)])
 
     def next(self, span: Sequence[Triple]) -> Triple | None:
@@ -337,7 +337,7 @@ class PromisingTwists:
         return edge_of(a, b)
 
 
-class _Grip:
+class _ForceSupports:
     """Support functions of the forces that the wheels can carry, in a few directions."""
 
     def __init__(self, scene: Scene, region: LoadRegion) -> None:

@@ -28,11 +28,11 @@ from nonsmooth.analysis.measurements.harness import (
     Limits,
     Order,
     Outcome,
-    OutOfTime,
     ResultRow,
     Study,
     StudyPlan,
     Trial,
+    TrialTimeout,
     fitted_slopes,
     log_slope,
     measure,
@@ -40,7 +40,7 @@ from nonsmooth.analysis.measurements.harness import (
 from nonsmooth.analysis.measurements.path_studies import (
     SYSTEM_PATHS,
     TRAJECTORIES,
-    Followed,
+    MethodPath,
     build_system_paths,
     follow_without_events,
 )
@@ -176,7 +176,7 @@ def test_a_clock_raises_after_its_limit_only() -> None:
     Clock(60).check()
     late = Clock(0)
     spend(PAUSE)
-    with pytest.raises(OutOfTime):
+    with pytest.raises(TrialTimeout):
         late.check()
 
 
@@ -408,4 +408,4 @@ def test_the_reference_is_a_closed_form() -> None:
     judge = plan.trials[0].judge
     time = 4 * 0.5 / 0.5
     exact = [(a / 32 * math.exp(-time), b / 32 * math.exp(-time)) for a, b in ((15, 10), (11, -3), (-5, 11), (-8, -13))]
-    assert judge([Followed([time], [state], 1) for state in exact]).error < 1e-15
+    assert judge([MethodPath([time], [state], 1) for state in exact]).error < 1e-15

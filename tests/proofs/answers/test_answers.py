@@ -377,7 +377,9 @@ def test_measured_loads_say_what_the_others_carry_without_a_wheel(
     scene = array(PLACES, rule, radius="1/4", loads={"kind": "measured", "values": MEASURED}).scene
     looked_at = replace(scene, wheels=tuple(wheel for wheel in scene.wheels if wheel.index in wheels))
     # No other wheel fails, which would take long.
-    monkeypatch.setattr(f"{failures_of.__module__}.standing", lambda own: looked_at if own is scene else standing(own))
+    monkeypatch.setattr(
+        f"{failures_of.__module__}.standing", lambda other: looked_at if other is scene else standing(other)
+    )
     failures = failures_of(scene)
     for wheel in wheels:
         places = [place for k, place in enumerate(PLACES, 1) if k != wheel]

@@ -273,8 +273,8 @@ def test_a_narrow_outline_makes_the_disc_smaller_until_nothing_is_said(
     """None for a radius is that of twice the accuracy, within which all starts would have to be."""
     scene = scene_of(tmp_path, MeasuredTable.random(3, "ellipse", off=3.0).toml).recentred()
     least = 2 * scene.accuracy
-    kept = ContactSet((), least if radius is None else Fraction(radius), None if angle is None else Fraction(angle))
-    ends = decide_ends(scene, scene.accuracy, kept=kept)
+    contacts = ContactSet((), least if radius is None else Fraction(radius), None if angle is None else Fraction(angle))
+    ends = decide_ends(scene, scene.accuracy, kept=contacts)
     assert (ends is not None) == is_said
     assert ends is None or least <= ends.within < 26
 
@@ -336,11 +336,11 @@ def test_no_sampled_motion_turns_faster_than_the_bound(rule: str, tmp_path: Path
     scene = scene_of(tmp_path, table.toml).recentred()
     bound, body, rng = largest_spin(scene, Fraction(20)), SmallSteps(table), np.random.default_rng(0)
     assert bound is not None
-    seen = []
+    spins = []
     for angle in rng.uniform(0, 2 * math.pi, 30):
         place = 20 * rng.uniform(0.3, 1) * np.array([math.cos(angle), math.sin(angle)])
-        seen.append(abs(body.twists(place[None])[0, 2] / body.length))
-    assert 0.2 * bound <= max(seen) <= bound
+        spins.append(abs(body.twists(place[None])[0, 2] / body.length))
+    assert 0.2 * bound <= max(spins) <= bound
 
 
 def test_friction_axes_of_their_own_are_followed_by_the_exact_cells() -> None:
@@ -420,8 +420,8 @@ def test_bodies_on_one_side_of_a_line_never_come_back_over_it(rule: str, seed: i
     accuracy, body, rng = float(scene.accuracy), SmallSteps(table), np.random.default_rng(0)
     places = accuracy * rng.uniform(-0.7, 0.7, (300, 2))
     velocities = np.array([body.velocity(place) for place in places]).reshape(-1, 2)
-    directions = [np.array([float(x) for x in own]) for own in _directions(cells)]
-    least = [(velocities[places @ own > 0] @ own).min() for own in directions]
+    directions = [np.array([float(x) for x in direction]) for direction in _directions(cells)]
+    least = [(velocities[places @ direction > 0] @ direction).min() for direction in directions]
     assert max(least) > 0
 
 
@@ -451,7 +451,7 @@ def measured_table(seed: int) -> str:
 
 def excursions(scene: Scene, radius: float) -> list[tuple[float, float]]:
     """For each start on the disc's border: the largest distance on the way and the least, in Euler steps."""
-    contacts, found = Contacts.of(scene), []
+    contacts, extremes = Contacts.of(scene), []
     centre = np.array([float(x) for x in scene.check.equilibrium])
     twist_at = {"nearest": contacts.nearest, "box": contacts.box}[scene.contact.rule]
     wheels = list(range(len(scene.wheels)))
@@ -467,8 +467,8 @@ def excursions(scene: Scene, radius: float) -> list[tuple[float, float]]:
             farthest, nearest = max(farthest, distance), min(nearest, distance)
             if nearest < HOME * radius:
                 break
-        found.append((farthest, nearest))
-    return found
+        extremes.append((farthest, nearest))
+    return extremes
 
 
 def answered(scene: Scene) -> tuple[float, float] | None:
@@ -556,9 +556,9 @@ def test_auto_takes_the_largest_disc_and_names_the_others(tmp_path: Path, capsys
 def rate_at_rest(table: MeasuredTable, about: Floats) -> float:
     """The rotation rate where a body rests that starts at a place, by Newton's method on its velocity."""
     steps = SmallSteps(table)
-    found = root(steps.velocity, about, tol=1e-10)
-    assert found.success
-    return float(steps.twists(found.x[None])[0, 2] / steps.length)
+    zero = root(steps.velocity, about, tol=1e-10)
+    assert zero.success
+    return float(steps.twists(zero.x[None])[0, 2] / steps.length)
 
 
 @pytest.mark.usefixtures("without_law")

@@ -130,10 +130,10 @@ class Forces:
             return self.balance((x, y), (omega * y, -omega * x, omega, *forces))
 
         start = *near, spin, *[0.0] * int(np.sum(self.held))
-        found = tuple(mpmath.findroot(equations, start, tol=1e-60, maxsteps=60))
-        equations(*found)
+        unknowns = tuple(mpmath.findroot(equations, start, tol=1e-60, maxsteps=60))
+        equations(*unknowns)
         assert all(self.are_held)
-        return found
+        return unknowns
 
     def slope(self, rest: tuple[Any, ...]) -> Any:
         """Of c' by c, by differences."""
@@ -582,12 +582,12 @@ def test_rings_fall_in_small_pieces_where_twists_turn_round_over_an_edge(
     rate = least_rate(forces, pieces)
     falls = -(pieces.middle_slopes * SmallSteps(table).velocity(pieces.middles)).sum(axis=1)
     assert 0 < rate <= falls.min() * 1.001
-    seen: list[int] = []
+    sizes: list[int] = []
 
     def counted(forces: BalancedForces, pieces: RingPieces, *args: Any, more: bool) -> Any:
-        seen.append(len(pieces.corners))
+        sizes.append(len(pieces.corners))
         return piece_rates(forces, pieces, *args, more=more)
 
     monkeypatch.setattr(touching_rings, "piece_rates", counted)
     assert least_rate(forces, shape.pieces(levels[1:], levels[:1], FINER[-1])) == 0
-    assert seen == [FIRST_PIECES[0]], "where the slowest fail, the others need no look"
+    assert sizes == [FIRST_PIECES[0]], "where the slowest fail, the others need no look"

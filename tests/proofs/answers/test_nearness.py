@@ -151,17 +151,17 @@ def test_rates_of_rings_hold_at_sampled_places(rule: str, shape: str, tmp_path: 
 @pytest.mark.parametrize("parts", [1, 4])
 def test_quadrangles_cover_their_rings(shape: str, parts: int) -> None:
     function = SHAPES[shape]
-    found = function.pieces(np.array([1.0]), np.array([1.25]), parts)
+    pieces = function.pieces(np.array([1.0]), np.array([1.25]), parts)
     rng = np.random.default_rng(1)
     for _ in range(500):
         angle = rng.uniform(0, 2 * math.pi)
         ray = np.array([math.cos(angle), math.sin(angle)])
         place = rng.uniform(1.0, 1.25) * ray / level(function, ray)
-        sides, away = np.roll(found.corners, -1, axis=1) - found.corners, place - found.corners
+        sides, away = np.roll(pieces.corners, -1, axis=1) - pieces.corners, place - pieces.corners
         inside = ((sides[..., 0] * away[..., 1] - sides[..., 1] * away[..., 0]) >= -1e-15).all(axis=1)
         assert inside.any()
-        slope = np.array([part.middle[inside][0].mean() for part in found.slopes])
-        assert slope @ place == pytest.approx(level(function, place) * found.sizes[inside][0].mean(), rel=0.15)
+        slope = np.array([part.middle[inside][0].mean() for part in pieces.slopes])
+        assert slope @ place == pytest.approx(level(function, place) * pieces.sizes[inside][0].mean(), rel=0.15)
 
 
 def test_ellipses_hold_the_discs_that_they_name() -> None:
@@ -206,10 +206,10 @@ def test_symmetric_arrays_turn_at_the_enclosed_rate(seed: int, rule: str, tmp_pa
 def test_rims_that_neither_slip_nor_stand_are_held_by_less_than_their_friction(tmp_path: Path) -> None:
     rest = enclosed_rest(measured(tmp_path, MeasuredTable.symmetric(6, "roller")).recentred())
     assert rest is not None
-    x, y, spin, *held = rest.zero.entries()
-    assert len(held) == 2
-    assert all(abs(force) < (0.8**2 - 0.5**2) ** 0.5 for force in held)
-    unknowns = arb_mat([[entry] for entry in (spin * y, -spin * x, spin, held[0], arb(0.63))])
+    x, y, spin, *forces = rest.zero.entries()
+    assert len(forces) == 2
+    assert all(abs(force) < (0.8**2 - 0.5**2) ** 0.5 for force in forces)
+    unknowns = arb_mat([[entry] for entry in (spin * y, -spin * x, spin, forces[0], arb(0.63))])
     assert rest.balance.at(unknowns, (x, y)) is None  # it may begin to slip
 
 
@@ -317,8 +317,8 @@ def test_proposed_motions_are_those_of_least_dissipation(name: str, rule: str) -
     forces = BalancedForces(scene)
     places = np.random.default_rng(0).uniform(-0.3, 0.3, (60, 2)) * float(scene.check.radius)
     (along, across), loads = forces._float_rows, forces.float_loads(places)
-    found = forces.minimizers(places)
-    beside = found[:, None] + np.random.default_rng(1).normal(0, 1e-3, (60, 200, 3))
+    twists = forces.minimizers(places)
+    beside = twists[:, None] + np.random.default_rng(1).normal(0, 1e-3, (60, 200, 3))
 
     def dissipation(twists: np.ndarray) -> np.ndarray:
         a, b = float(scene.wheels[0].friction.roll), float(scene.wheels[0].friction.side)
@@ -329,7 +329,7 @@ def test_proposed_motions_are_those_of_least_dissipation(name: str, rule: str) -
         per_load = np.hypot(a * r, b * s) if rule == "ellipse" else rolled
         return np.asarray((per_load * loads[:, None]).sum(axis=-1))
 
-    assert (dissipation(found[:, None]) <= dissipation(beside) + 1e-7).all()
+    assert (dissipation(twists[:, None]) <= dissipation(beside) + 1e-7).all()
 
 
 @pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])
@@ -412,8 +412,8 @@ def test_no_rings_in_smaller_pieces_where_those_that_are_shown_leave_the_wheels(
         return rings_about(*arguments)
 
     monkeypatch.setattr("nonsmooth.proofs.robust.ends.rings_about", counted)
-    kept = ContactSet((), Fraction(50), Fraction(1, 2**40))  # the body may turn by next to nothing
-    assert decide_ends(scene, scene.accuracy, kept=kept) is None
+    contacts = ContactSet((), Fraction(50), Fraction(1, 2**40))  # the body may turn by next to nothing
+    assert decide_ends(scene, scene.accuracy, kept=contacts) is None
     assert asked
     assert set(asked) == {FINER}
     assert isinstance(decide_ends(scene, scene.accuracy), Ends)
@@ -452,9 +452,9 @@ def test_a_printed_place_of_the_end_is_not_farther_off_than_is_said() -> None:
     at, about = (Fraction("150.0648"), Fraction("100.0846")), Fraction("0.0162")
     ends = Ends(about, Fraction(50), Fraction(50), Fraction(3), at, about)
     words = _where(load_scene("four-wheel"), ends, " mm")
-    shown = re.fullmatch(r"it ends within (.*) mm of \((.*), (.*)\)", words)
-    assert shown is not None
-    radius, *place = map(Fraction, shown.groups())
+    match = re.fullmatch(r"it ends within (.*) mm of \((.*), (.*)\)", words)
+    assert match is not None
+    radius, *place = map(Fraction, match.groups())
     away = math.hypot(*(float(a - b) for a, b in zip(place, at, strict=True)))
     assert float(radius) >= about + away
     assert float(radius) <= 1.2 * about

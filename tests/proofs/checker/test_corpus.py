@@ -58,35 +58,35 @@ STATUS = {0: "valid", 1: "rejected", 2: "unreadable"}
 def alone(path: Path) -> tuple[int, str]:
     """Exit status and output of the checker as a command of its own, with nothing but the standard library."""
     line = [sys.executable, "-I", "-S", str(Path(checker.__file__).parent), str(path)]
-    found = subprocess.run(line, capture_output=True, text=True, timeout=120, check=False)
-    assert not found.stderr
-    return found.returncode, found.stdout
+    process = subprocess.run(line, capture_output=True, text=True, timeout=120, check=False)
+    assert not process.stderr
+    return process.returncode, process.stdout
 
 
 @pytest.mark.parametrize("part", keep(1, range(GOOD_PARTS)))
 def test_good_ones_are_accepted(part: int) -> None:
     good = list((good_certificates() | good_arrays()).items())[part::GOOD_PARTS]
-    refused = {name: refusal(own, len(text_of(own))) for name, own in good}
+    refused = {name: refusal(record, len(text_of(record))) for name, record in good}
     assert not {name: why for name, why in refused.items() if why}
 
 
 def test_there_are_good_ones_of_every_kind() -> None:
     """Of every theorem, kind of evidence and number of states."""
     good = good_certificates()
-    entries = [entry for own in good.values() for entry in own["evidence"]]
+    entries = [entry for record in good.values() for entry in record["evidence"]]
     kinds = {kind for entry in entries for proof in entry["proofs"].values() for kind in proof}
     assert kinds >= {"squares", "simplices", "pairs", "mixture"}
     assert {entry["theorem"] for entry in entries} == set(THEOREMS)
-    assert {len(own["statement"]["subject"]["states"]) for own in good.values()} == set(range(1, 9))
+    assert {len(record["statement"]["subject"]["states"]) for record in good.values()} == set(range(1, 9))
     assert all(path.stat().st_size <= 20_000 for path in GOOD.glob("*.json"))
 
 
 def share(forgeries: Sequence[Forgery], part: int) -> list[Forgery]:
     """Of each kind of forgery those in every :data:`PARTS`-th place, from the one at place ``part``."""
     of_a_kind: defaultdict[str, list[Forgery]] = defaultdict(list)
-    for own in forgeries:
-        of_a_kind[own.kind].append(own)
-    return [own for alike in of_a_kind.values() for own in alike[part::PARTS]]
+    for forgery in forgeries:
+        of_a_kind[forgery.kind].append(forgery)
+    return [forgery for alike in of_a_kind.values() for forgery in alike[part::PARTS]]
 
 
 @pytest.mark.parametrize("part", keep(1, range(PARTS)))
@@ -102,28 +102,28 @@ def test_forged_ones_are_rejected(
     least: int,
 ) -> None:
     """Every one, in one line, within some seconds."""
-    for own in share(forgeries(), part):
+    for forgery in share(forgeries(), part):
         start = time.process_time()
-        why = forged(own, good())
-        assert why, own.record
+        why = forged(forgery, good())
+        assert why, forgery.record
         assert "\n" not in why
-        assert time.process_time() - start < SECONDS, own.kind
+        assert time.process_time() - start < SECONDS, forgery.kind
     assert len(forgeries()) > least
 
 
 def test_every_condition_refuses_alone() -> None:
     """What a checker without it would accept; and the corpus holds these files."""
-    kept = [own for own in (*bad_certificates(), *bad_arrays()) if own.because]
-    assert kept == [*conditions(), *array_conditions()]
-    for own in kept:
-        assert forged(own, good_certificates() | good_arrays()) == own.because
+    with_reasons = [forgery for forgery in (*bad_certificates(), *bad_arrays()) if forgery.because]
+    assert with_reasons == [*conditions(), *array_conditions()]
+    for forgery in with_reasons:
+        assert forged(forgery, good_certificates() | good_arrays()) == forgery.because
 
 
 def test_there_are_good_arrays_of_every_kind() -> None:
     """Of all theorems, rules and kinds of laws."""
     good = good_arrays()
     assert len(good) >= 30
-    entries = [entry for own in good.values() for entry in own["evidence"]]
+    entries = [entry for record in good.values() for entry in record["evidence"]]
     assert {entry["theorem"] for entry in entries} == set(OF_ARRAYS)
     laws = {kind for entry in entries for kind in entry["proofs"].get("feedback", {})}
     assert laws == {"signs", "twists", "plane"}
@@ -134,8 +134,8 @@ def test_there_are_good_arrays_of_every_kind() -> None:
 @pytest.mark.parametrize("part", keep(1, range(PARTS)))
 def test_what_good_arrays_claim_is_decided_anew(part: int) -> None:
     """The workbench, which shares no code with the checker, builds each array from its certificate."""
-    for own in list(good_arrays().values())[part::PARTS]:
-        assert_still_true(own)
+    for record in list(good_arrays().values())[part::PARTS]:
+        assert_still_true(record)
 
 
 @pytest.mark.parametrize("start", keep(1, range(0, 80, 10)))
@@ -143,15 +143,15 @@ def test_the_command_says_the_same(start: int, tmp_path: Path) -> None:
     """Some of each, as files."""
     good = good_certificates() | good_arrays()
     for name in list(good)[start::80]:
-        status, said = alone(GOOD / f"{name}.json")
-        assert (status, said.splitlines()[0].split(":")[0]) == (0, "valid"), name
-    for own in (*bad_certificates(), *bad_arrays())[start::1600]:
+        status, output = alone(GOOD / f"{name}.json")
+        assert (status, output.splitlines()[0].split(":")[0]) == (0, "valid"), name
+    for forgery in (*bad_certificates(), *bad_arrays())[start::1600]:
         path = tmp_path / "forged.json"
-        path.write_text(forged_text(own, good), encoding="utf-8")
-        status, said = alone(path)
-        assert said.startswith(STATUS[status]), own.record
-        assert status, own.record
-        assert said.count("\n") == 1
+        path.write_text(forged_text(forgery, good), encoding="utf-8")
+        status, output = alone(path)
+        assert output.startswith(STATUS[status]), forgery.record
+        assert status, forgery.record
+        assert output.count("\n") == 1
 
 
 def test_texts_are_forged_at_one_place(tmp_path: Path) -> None:
@@ -168,8 +168,10 @@ UNSEEN = {"bent-away"}
 @pytest.mark.parametrize("part", keep(1, range(PARTS)))
 def test_what_good_ones_claim_is_true(part: int) -> None:
     """As far as floats see."""
-    for name, own in list(good_certificates().items())[part::PARTS]:
-        assert name in UNSEEN or not contradiction(own["statement"], half_width(own["evidence"][0]["hypotheses"])), name
+    for name, record in list(good_certificates().items())[part::PARTS]:
+        assert name in UNSEEN or not contradiction(
+            record["statement"], half_width(record["evidence"][0]["hypotheses"])
+        ), name
 
 
 def test_floats_see_what_is_false(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -210,8 +212,8 @@ def test_floats_see_where_slow_slides_lead() -> None:
     """On x = 0 the mean of the signs is y, so y' is y**3, or -y**3."""
     for square, leaves in (("y**2", True), ("-y**2", False)):
         slides = {"states": ["x", "y"], "rhs": [["-sign(x) + y", f"sign(x)*({square})"]], "at": ["0", "0"]}
-        found = contradiction({"subject": slides, "claims": [{"stability": "unstable"}]}, half=0.5)
-        assert leaves != bool(found)
+        reason = contradiction({"subject": slides, "claims": [{"stability": "unstable"}]}, half=0.5)
+        assert leaves != bool(reason)
 
 
 @thorough
@@ -247,7 +249,7 @@ def test_each_claim_of_an_array_is_said_on_a_line() -> None:
 
 def test_a_region_of_a_quotient_is_said_with_its_denominator() -> None:
     """Where V is a hundredth of that, ``V < 1/4`` is another set."""
-    (line,) = (own for own in describe(good_certificates()["quotient-relay"]["statement"]) if "V < 1/4" in own)
+    (line,) = (text for text in describe(good_certificates()["quotient-relay"]["statement"]) if "V < 1/4" in text)
     assert line.endswith("V = (x**2 + y**2)/(1 + x**2)")
 
 
@@ -257,9 +259,9 @@ ENDS = st.integers(-(1 << 140), 1 << 140) | st.integers(-3, 3) | st.integers(-(1
 INTERVALS = st.tuples(ENDS, ENDS).map(lambda ends: Interval(min(ends), max(ends)))
 
 
-def inside(own: Interval, share: Fraction) -> Fraction:
+def inside(enclosure: Interval, share: Fraction) -> Fraction:
     """One of the numbers of an interval."""
-    return (own.low + share * (own.high - own.low)) / GRID
+    return (enclosure.low + share * (enclosure.high - enclosure.low)) / GRID
 
 
 @given(INTERVALS, INTERVALS, st.fractions(0, 1), st.fractions(0, 1), st.sampled_from([add, sub, mul, truediv]))
@@ -270,15 +272,15 @@ def test_operations_hold_what_their_operands_give(
         with pytest.raises(RejectedError, match="a divisor that is not zero"):
             operation(a, b)
         return
-    found = operation(a, b)
-    assert found.low <= operation(inside(a, s), inside(b, t)) * GRID <= found.high
+    result = operation(a, b)
+    assert result.low <= operation(inside(a, s), inside(b, t)) * GRID <= result.high
 
 
 def test_numbers_of_a_field_are_enclosed_closely() -> None:
     field = Field([{"polynomial": ["-2", "0", "1"], "above": "1"}])
-    own = interval(field.parse([["1/3", 0], ["-5/7"]]))
-    assert 0 < own.high - own.low < 8
-    low, high = (3 * (Fraction(end, GRID) + Fraction(5, 7)) for end in (own.low, own.high))
+    enclosure = interval(field.parse([["1/3", 0], ["-5/7"]]))
+    assert 0 < enclosure.high - enclosure.low < 8
+    low, high = (3 * (Fraction(end, GRID) + Fraction(5, 7)) for end in (enclosure.low, enclosure.high))
     assert low**2 < 2 < high**2
 
 
@@ -288,12 +290,12 @@ def test_slopes_bound_what_a_function_may_change() -> None:
     zero = Interval(0, 0)
     middle = [Interval(2 * GRID, 2 * GRID), Interval(3 * GRID, 3 * GRID)]
     x, y = (
-        Jet(Interval(own.low - size, own.high + size), slopes)
-        for own, size, slopes in zip(middle, sizes, ((ONE, zero), (zero, ONE)), strict=True)
+        Jet(Interval(enclosure.low - size, enclosure.high + size), slopes)
+        for enclosure, size, slopes in zip(middle, sizes, ((ONE, zero), (zero, ONE)), strict=True)
     )
-    found = mean_value(middle[0] * middle[1] / (middle[0] + middle[1]), x * y / (x + y), sizes)
+    bounds = mean_value(middle[0] * middle[1] / (middle[0] + middle[1]), x * y / (x + y), sizes)
     values = [a * b / (a + b) for a in (1.5, 2.5) for b in (2.75, 3.25)]
-    low, high = found.low / GRID, found.high / GRID
+    low, high = bounds.low / GRID, bounds.high / GRID
     assert low < min(values) < max(values) < high
     assert high - low < 2 * (max(values) - min(values))
 
@@ -325,7 +327,7 @@ def test_clipped_polygons_hold_the_points_of_their_half_planes() -> None:
 
 def test_rays_to_what_lies_outside_the_disc_lie_between_the_ends() -> None:
     """A function that is convex on rays, ``|c| - 2 m . c``, is positive outside the disc only if it is at an end."""
-    rng, seen = np.random.default_rng(4), 0
+    rng, count = np.random.default_rng(4), 0
     for _ in range(150):
         square, lines = polygon(rng)
         part = clipped(square, lines)
@@ -333,12 +335,12 @@ def test_rays_to_what_lies_outside_the_disc_lie_between_the_ends() -> None:
         m = rng.normal(size=2)
         points = rng.uniform(-2, 2, (300, 2))
         sides = np.array(part, dtype=float).reshape(-1, 3)
-        kept = (points @ sides[:, :2].T <= sides[:, 2]).all(axis=1) & bool(part)
-        outer = points[kept & (np.hypot(*points.T) > 1)]
+        within = (points @ sides[:, :2].T <= sides[:, 2]).all(axis=1) & bool(part)
+        outer = points[within & (np.hypot(*points.T) > 1)]
         positive = np.hypot(*outer.T) - 2 * outer @ m > 1e-9
         if not ends:
             assert not len(outer)
         elif positive.any():
             assert any(np.hypot(*end) > 2 * end @ m for end in ends)
-            seen += not all(np.hypot(*end) > 2 * end @ m for end in ends)
-    assert seen > 10
+            count += not all(np.hypot(*end) > 2 * end @ m for end in ends)
+    assert count > 10

@@ -106,11 +106,11 @@ def test_the_numbers_of_the_subject_are_said_in_words() -> None:
 def test_numbers_beyond_floats_are_said() -> None:
     """A point at ``10^400``, and one beside which no float but zero is near."""
     plain = good_certificates()["one-linear-1"]
-    for square, said in (("1" + 800 * "0", "1.00000e+400"), ("1", "1")):
+    for square, text in (("1" + 800 * "0", "1.00000e+400"), ("1", "1")):
         root = {"name": "t", "polynomial": [f"-{square}", "0", "1"], "above": "1/2"}
         subject = {"states": ["x"], "rhs": [["-x"]], "at": [[["1", 0]]], "numbers": [root]}
         (line, *_) = describe({**plain["statement"], "subject": subject})
-        assert f"at (({said} rounded))" in line
+        assert f"at (({text} rounded))" in line
     field = [{"polynomial": ["-2", "0", "1"], "above": "1"}]
     array = good_arrays()["array-four-wheel-nearest"]["statement"]
     drift = {"drift": [[["1", 0]], "2", "1/" + "1" + 400 * "0"]}
@@ -135,7 +135,7 @@ def test_another_root_shows_nothing_of_this_one() -> None:
     assert not refused(record)
 
     def with_signs(subject: Record) -> None:
-        subject["rhs"] = [[own.replace("sqrt_2", "(-sqrt_2)") for own in side] for side in subject["rhs"]]
+        subject["rhs"] = [[formula.replace("sqrt_2", "(-sqrt_2)") for formula in side] for side in subject["rhs"]]
 
     def below_zero(subject: Record) -> None:
         subject["numbers"][0]["above"] = "-2"
@@ -172,7 +172,13 @@ def test_a_reducible_polynomial_hides_no_zero() -> None:
     """The root above 3/2 of ``(t - 2)(t - 1)`` is two: ``r - 2`` is zero, and taken for no number with a sign."""
     tower, numbers = read_numbers([{"name": "r", "polynomial": ["2", "-3", "1"], "above": "3/2"}])
     hidden = numbers["r"] - 2
-    for ask in (bool, lambda own: own > 0, lambda own: own == 0, lambda own: own.inverse(), lambda own: 1 / own):
+    for ask in (
+        bool,
+        lambda number: number > 0,
+        lambda number: number == 0,
+        lambda number: number.inverse(),
+        lambda number: 1 / number,
+    ):
         with pytest.raises(RejectedError):
             ask(hidden)
     assert tower.generator(0) > Fraction(19, 10)
@@ -183,7 +189,7 @@ def test_dependent_generators_hide_no_zero() -> None:
     root_6 = {"name": "t", "polynomial": ["-6", "0", "1"], "above": "0"}
     _, numbers = read_numbers([ROOT_2, ROOT_3, root_6])
     hidden = numbers["t"] - numbers["r"] * numbers["s"]
-    for ask in (bool, lambda own: own >= 0, lambda own: own.inverse()):
+    for ask in (bool, lambda number: number >= 0, lambda number: number.inverse()):
         with pytest.raises(RejectedError):
             ask(hidden)
 
@@ -200,8 +206,8 @@ def test_a_false_bound_of_a_rate_is_refused() -> None:
         proofs = {**entry["proofs"], "rate cell ": {"simplices": [{}] * 8}}
         claimed["evidence"] = [{**entry, "hypotheses": hypotheses, "proofs": proofs}]
         claimed["statement"]["claims"] = [{"stability": "asymptotically stable"}]
-        said = refused(claimed)
-        assert ("coefficients" not in said) if holds else said
+        reason = refused(claimed)
+        assert ("coefficients" not in reason) if holds else reason
 
 
 # ---- arithmetic ----------------------------------------------------------------------------------
@@ -211,7 +217,8 @@ def random_numbers(tower: Field, count: int, seed: int) -> list[Number]:
     rng = np.random.default_rng(seed)
     basis = tower.basis()
     return [
-        tower.parse([[f"{rng.integers(-9, 10)}/{rng.integers(1, 9)}", *own] for own in basis]) for _ in range(count)
+        tower.parse([[f"{rng.integers(-9, 10)}/{rng.integers(1, 9)}", *monomial] for monomial in basis])
+        for _ in range(count)
     ]
 
 
@@ -233,7 +240,7 @@ FIELDS: dict[str, tuple[list[Record], list[float]]] = {
 def test_arithmetic_and_order_are_those_of_real_numbers(name: str) -> None:
     entries, values = FIELDS[name]
     tower, numbers = read_numbers(entries)
-    assert [float(own) for own in numbers.values()] == pytest.approx(values)
+    assert [float(number) for number in numbers.values()] == pytest.approx(values)
     for a, b in zip(random_numbers(tower, 12, 1), random_numbers(tower, 12, 2), strict=True):
         assert float(a * b) == pytest.approx(float(a) * float(b))
         assert float(a + b - Fraction(1, 3)) == pytest.approx(float(a) + float(b) - 1 / 3)
@@ -248,9 +255,9 @@ def test_arithmetic_and_order_are_those_of_real_numbers(name: str) -> None:
 def test_searches_compute_with_the_same_numbers(name: str) -> None:
     """What the checker holds is what the program computes with, and is written as it was."""
     tower, _ = read_numbers(FIELDS[name][0])
-    for own in random_numbers(tower, 12, 3):
-        twin_of_it = exact(own)
-        assert float(twin_of_it) == pytest.approx(float(own))
-        assert tower.coefficient(written_number(twin_of_it)) == own
-        assert float(exact(own * own)) == pytest.approx(float(twin_of_it * twin_of_it))
+    for number in random_numbers(tower, 12, 3):
+        twin_of_it = exact(number)
+        assert float(twin_of_it) == pytest.approx(float(number))
+        assert tower.coefficient(written_number(twin_of_it)) == number
+        assert float(exact(number * number)) == pytest.approx(float(twin_of_it * twin_of_it))
     assert twin(tower) is twin(tower)

@@ -66,8 +66,8 @@ def test_functions_are_continuous() -> None:
     """V jumps on y = 0: a turn that grows fivefold crosses it upward; the cells between are said to be empty."""
     gate = "(1 + sign(x))*(1 - sign(y))/4"
     rhs = [f"-{gate} + (1 - {gate})*(y - x/10)", f"-5*{gate} + (1 - {gate})*(-x - y/10)"]
-    own = FloatInclusion(subject(rhs), seed=1)
-    places, _ = own.follow(own.sphere(1e-3), 1_500)
+    inclusion = FloatInclusion(subject(rhs), seed=1)
+    places, _ = inclusion.follow(inclusion.sphere(1e-3), 1_500)
     assert np.linalg.norm(places[-1], axis=1).min() > 1
     pieces = [["++", "x**2 + y**2"], ["+-", "x**2 + 4*y**2 + 12*x"], ["-+", "x**2 + y**2"], ["--", "x**2 + 4*y**2"]]
     why = refused(rhs, "lyapunov", lyapunov(pieces, cells("x", "y", within="1/4")))
@@ -80,7 +80,7 @@ def test_functions_are_continuous() -> None:
 @cache
 def bang_bang_text() -> str:
     """A certificate with a V that bends on two halves of parabolas."""
-    (case,) = (own for own in by_a_second_function() if own.name == "bang-bang-1")
+    (case,) = (c for c in by_a_second_function() if c.name == "bang-bang-1")
     return json.dumps(case.certificate())
 
 
@@ -126,14 +126,14 @@ def test_faces_with_points_are_not_left_out() -> None:
     """Two circles meet at the checked point and at another one, at which V does not fall: solutions rest there."""
     circles = ["(x - 1)**2 + y**2 - 1", "x**2 + (y - 1)**2 - 1"]  # both hold (0, 0) and (1, 1)
     towards = [f"-(x - 1) - x*({circles[0]})**2", "-(y - 1)"]
-    function = f"x**2 + y**2 + {' + '.join(f'Abs({own})' for own in circles)}"
+    function = f"x**2 + y**2 + {' + '.join(f'Abs({circle})' for circle in circles)}"
     for within, apart in (("3/2", False), ("1/2", True)):
         proofs = Search(WORK)
-        own = Lyapunov(
+        theorem = Lyapunov(
             Inclusion(read_system(subject(towards)), cells(*circles, within=within), [function], proofs), proofs
         )
-        both = next(face for face in own.inclusion.faces() if face.zero == (0, 1))
-        assert own.is_left_out("00", both) is apart
+        both = next(face for face in theorem.inclusion.faces() if face.zero == (0, 1))
+        assert theorem.is_left_out("00", both) is apart
 
 
 def test_pieces_are_joined_beside_faces() -> None:
@@ -148,8 +148,8 @@ def test_pieces_are_joined_beside_faces() -> None:
     angles = [2 * math.pi * (k + 0.37) / 360 for k in range(360)]
     real = {"".join("-+"[a * math.cos(t) + b * math.sin(t) > 0] for a, b in lines) for t in angles}
     distances = " + ".join(f"Abs({text})" for text in texts)
-    pieces = [["+" * 6, "-9*x**2"], *([own, f"x**2 + 3*({distances})"] for own in sorted(real))]
-    empty = sorted({"".join(own) for own in product("-+", repeat=6)} - real - {"+" * 6})
+    pieces = [["+" * 6, "-9*x**2"], *([marks, f"x**2 + 3*({distances})"] for marks in sorted(real))]
+    empty = sorted({"".join(marks) for marks in product("-+", repeat=6)} - real - {"+" * 6})
     why = refused(["x", "-sign(y)", "-sign(z)"], "lyapunov", lyapunov(pieces, cells(*texts, empty=empty)))
     assert why == "no proof was found of face 000000 part 0"
 
@@ -172,7 +172,7 @@ def test_fields_of_all_sides_count_on_a_face() -> None:
 def test_any_number_of_curved_surfaces_may_meet() -> None:
     """Three circles through one place of the plane, on all of which V bends."""
     circles = ["(x - 2)**2 + y**2 - 1", "(x - 1)**2 + (y - 1)**2 - 1", "(x - 1)**2 + (y + 1)**2 - 1"]
-    function = f"x**2 + y**2 + {' + '.join(f'Abs({own})' for own in circles)}"
+    function = f"x**2 + y**2 + {' + '.join(f'Abs({circle})' for circle in circles)}"
     inclusion = Inclusion(read_system(subject(["-x", "-y"])), cells(*circles, within="2"), [function], Proofs({}))
     assert (0, 1, 2) in {face.zero for face in inclusion.faces()}
 
@@ -305,9 +305,9 @@ def test_formulas_are_one_line_of_arithmetic(text: str, tmp_path: Any) -> None:
     """No comment and no line break of a formula gets into what the command prints; nothing but its grammar is read."""
     path = tmp_path / "forged.json"
     path.write_text(certificate_text(text, function="x**2"), encoding="utf-8")
-    status, said = check_file(str(path))
+    status, output = check_file(str(path))
     assert status == (0 if text == "-x\n" else 1)  # blanks around a formula are no part of it
-    assert "\n" not in said.removeprefix("valid\n")
+    assert "\n" not in output.removeprefix("valid\n")
 
 
 def test_brackets_that_are_nested_too_deeply(tmp_path: Any) -> None:

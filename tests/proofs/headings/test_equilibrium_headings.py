@@ -141,13 +141,13 @@ def test_a_grid_of_headings_finds_what_is_listed_and_no_more(
     assert all(one.edge for one in found.undecided)  # no range of headings is left open here
     oracle = Oracle(scene, (float(eval_fraction(size[0])) / 2, float(eval_fraction(size[1])) / 2))
     centre = np.array([float(x) for x in scene.check.equilibrium])
-    known: dict[bytes, Floats | None] = {}
+    rates: dict[bytes, Floats | None] = {}
     turning: list[tuple[float, float]] = []
     for theta in np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False) + 0.00131:
         under = oracle.under(np.array([*centre, theta]))
-        if under.tobytes() not in known:
-            known[under.tobytes()] = oracle.rate(under, centre)
-        rate = known[under.tobytes()]
+        if under.tobytes() not in rates:
+            rates[under.tobytes()] = oracle.rate(under, centre)
+        rate = rates[under.tobytes()]
         listed = [entry for entry, low, high in ranges if inside(low, high, float(theta))]
         stays = rate is not None and float(np.abs(rate[:2]).max()) <= STAYS
         assert len(listed) == stays, theta
@@ -257,8 +257,8 @@ def test_balls_hold_the_motion_on_wheels_with_friction_axes(tmp_path: Path) -> N
     part = replace(scene, wheels=tuple(scene.wheels[k] for k in wheels), body=None)
     centre = (float(part.wheels[1].position[0]) + 0.03, 0.04)
     with ctx.workprec(256):
-        found = set_motion(scene, SetGuesses(scene, rule), wheels, (arb(centre[0]), arb(centre[1])))
-    assert found is not None
+        motion = set_motion(scene, SetGuesses(scene, rule), wheels, (arb(centre[0]), arb(centre[1])))
+    assert motion is not None
     expected = minima_under(rule, part, np.array([centre])).twists[0]
-    np.testing.assert_allclose([float(entry) for entry in found.twist], expected, atol=1e-8)
-    assert max(float(entry.rad()) for entry in found.twist) < 1e-30
+    np.testing.assert_allclose([float(entry) for entry in motion.twist], expected, atol=1e-8)
+    assert max(float(entry.rad()) for entry in motion.twist) < 1e-30

@@ -299,10 +299,10 @@ def test_cells_are_those_that_points_are_in(seed: int) -> None:
     cells = build_cells(system, system.check.radius)
     points = rng.uniform(-0.5, 0.5, (60_000, 3))
     values = np.column_stack([_values(surface, points) for surface in cells.surfaces])
-    seen = {tuple(int(v) for v in row) for row in np.sign(values) if row.all()}
-    assert seen <= {cell.signs for cell in cells.cells}
+    patterns = {tuple(int(v) for v in row) for row in np.sign(values) if row.all()}
+    assert patterns <= {cell.signs for cell in cells.cells}
     for cell in cells.cells:
-        if cell.signs not in seen:  # a thin one: not proved to be empty
+        if cell.signs not in patterns:  # a thin one: not proved to be empty
             guards = [s * e for s, e in zip(cells.surfaces, cell.signs, strict=True)]
             assert not is_empty(guards, system.check.radius)
 
@@ -352,8 +352,8 @@ def largest_slide(rhs: Sequence[str], weights: Sequence[int], point: Sequence[fl
     columns = np.array(fields).T
     gradient = np.array(weights) * np.sign(point)
     equal, right = np.vstack([columns[zero], np.ones(len(fields))]), [0.0] * len(zero) + [1.0]
-    found = linprog(-gradient @ columns, A_eq=equal, b_eq=right, bounds=(0, None), method="highs")
-    return -float(found.fun)
+    solution = linprog(-gradient @ columns, A_eq=equal, b_eq=right, bounds=(0, None), method="highs")
+    return -float(solution.fun)
 
 
 @few(1)
@@ -400,15 +400,15 @@ def slides(rhs: Sequence[str], weights: Sequence[int]) -> list[Refutation]:
     system = built(rhs)
     formula = parse_lyapunov(bent(weights), system.states, "t", "lyapunov")
     _, conditions = conditions_on(system, formula, system.check.radius)
-    found = (find_slide(system, conditions, claim) for claim in conditions.claims())
-    return [failure for failure in found if failure is not None]
+    failures = (find_slide(system, conditions, claim) for claim in conditions.claims())
+    return [failure for failure in failures if failure is not None]
 
 
 @thorough  # test_a_face_that_solutions_leave_at_once_refutes_nothing
 @pytest.mark.parametrize(("count", "sought"), keep(1, [(3, 1), (5, 2), (14, 2)]))
 def test_random_functions_that_are_proved_are_not_refuted(count: int, sought: int) -> None:
     rng = np.random.default_rng(2)
-    known: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for _ in range(count):
         a, c = rng.integers(1, 4, 3), rng.integers(1, 5, 3)
         coupled = rng.integers(-6, 7, 3)
@@ -416,15 +416,15 @@ def test_random_functions_that_are_proved_are_not_refuted(count: int, sought: in
         audited = audit(built(rhs), bent(c.tolist()))
         assert audited.function is not None
         function = audited.function
-        known[function.decrease] += 1
-        if function.decrease is Decrease.STRICT and known[Decrease.STRICT] <= sought:
+        counts[function.decrease] += 1
+        if function.decrease is Decrease.STRICT and counts[Decrease.STRICT] <= sought:
             assert not slides(rhs, c.tolist())
         if function.reason == SLIDES_UP:
-            known[SLIDES_UP] += 1
+            counts[SLIDES_UP] += 1
             point, value = witness(audited)
             assert largest_slide(rhs, c.tolist(), [float(v) for v in point]) == pytest.approx(float(value), abs=1e-6)
-    assert known[Decrease.STRICT] >= count // 5
-    assert known[SLIDES_UP] >= 1
+    assert counts[Decrease.STRICT] >= count // 5
+    assert counts[SLIDES_UP] >= 1
 
 
 # ---- Points beside which others of rest lie: friction and relays, and points that attract --------
@@ -454,19 +454,19 @@ def system(states: Sequence[str], rhs: Sequence[str]) -> SwitchedSystem:
 
 def test_no_function_that_falls_is_proposed_beside_places_of_rest() -> None:
     """Both searches took 45 s of a processor here, and could find nothing."""
-    own = system("xyz", ["-2*x + 3*x*sin(z)/2", "-2*x - x*y", "-z + 2*x*sign(y)"])
-    assert not any(True for positive in (True, False) for _ in proposals(own, positive=positive))
+    switched_system = system("xyz", ["-2*x + 3*x*sin(z)/2", "-2*x - x*y", "-z + 2*x*sign(y)"])
+    assert not any(True for positive in (True, False) for _ in proposals(switched_system, positive=positive))
 
 
 @pytest.mark.parametrize(
     "rhs", [CHAIN, ["y - sgn(x)", "-y - Abs(x - y)", "-z + Max(y, 0)"], ["-x + z*Abs(y)", "-y", "-z"]]
 )
 def test_a_family_that_holds_another_has_the_larger_program(rhs: list[str]) -> None:
-    own = system("xyz", rhs)
-    cells = build_cells(own, own.check.radius)
+    switched_system = system("xyz", rhs)
+    cells = build_cells(switched_system, switched_system.check.radius)
     bases = list(families(cells))
     assert len(bases) > 1
-    sizes = [program_size(own, cells, basis) for basis in bases]
+    sizes = [program_size(switched_system, cells, basis) for basis in bases]
     for (small, size), (large, other) in itertools.permutations(zip(bases, sizes, strict=True), 2):
         assert size <= other or not set(small) <= set(large)
 
@@ -488,26 +488,26 @@ def test_relays_are_decided_though_their_mixtures_are_not_looked_at(
 
     monkeypatch.setattr(second_function, "MOST_MIXTURES", most)
     monkeypatch.setattr(second_function, "extreme_velocities", few_looked_at)
-    rhs = ["-2*sgn(a) - a", *(f"-2*sgn({own}) + sgn({before})/2" for before, own in itertools.pairwise(states))]
+    rhs = ["-2*sgn(a) - a", *(f"-2*sgn({state}) + sgn({before})/2" for before, state in itertools.pairwise(states))]
     assert decide_system(system(states, rhs)).verdict is ATTRACTS
 
 
-def program_size(own: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction]) -> int:
-    above, falling, _ = lyapunov_search._problems(own, cells.radius, tuple(basis))
+def program_size(switched_system: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction]) -> int:
+    above, falling, _ = lyapunov_search._problems(switched_system, cells.radius, tuple(basis))
     return sum(gram_entries(blocks) for _, blocks in [*above, *falling])
 
 
 def test_programs_that_hold_one_that_is_too_large_are_not_built(monkeypatch: pytest.MonkeyPatch) -> None:
     """In eight states with nine switching surfaces they took more than five minutes, and were thrown away."""
-    own, sizes, build = system("xyz", CHAIN), list[int](), lyapunov_search._problems
+    switched_system, sizes, build = system("xyz", CHAIN), list[int](), lyapunov_search._problems
 
-    def counted(*given: Any, **named: Any) -> Any:
-        sizes.append(len(given[2]))
-        return build(*given, **named)
+    def counted(*arguments: Any, **named: Any) -> Any:
+        sizes.append(len(arguments[2]))
+        return build(*arguments, **named)
 
     monkeypatch.setattr(lyapunov_search, "_problems", counted)
-    assert not list(proposals(own, positive=True, entries=range(1)))
-    assert set(sizes) == {len(next(families(build_cells(own, own.check.radius))))}
+    assert not list(proposals(switched_system, positive=True, entries=range(1)))
+    assert set(sizes) == {len(next(families(build_cells(switched_system, switched_system.check.radius))))}
 
 
 @pytest.mark.parametrize(("states", "rhs"), RESTS)

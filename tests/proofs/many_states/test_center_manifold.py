@@ -270,22 +270,22 @@ def test_points_are_stable_and_certified(name: str) -> None:
 
 def test_what_is_kept_is_an_integral() -> None:
     rhs, at = KEPT["three species"]
-    found = find_kept_function(system(rhs, at))
-    assert found is not None
+    integral = find_kept_function(system(rhs, at))
+    assert integral is not None
     x, y, u = states = sympy.symbols("x y u")
-    potential = sympy.sympify(found.formula.text).subs(dict(zip(states, (x - 1, y - 1, u - 1), strict=True)))
-    rate = sum(potential.diff(own) * sympy.sympify(field) for own, field in zip(states, rhs, strict=True))
+    potential = sympy.sympify(integral.formula.text).subs(dict(zip(states, (x - 1, y - 1, u - 1), strict=True)))
+    rate = sum(potential.diff(state) * sympy.sympify(field) for state, field in zip(states, rhs, strict=True))
     assert sympy.expand(rate) == 0
     hessian = np.array(sympy.hessian(potential, states).subs(dict.fromkeys(states, 1)), dtype=float)
     assert np.linalg.eigvalsh(hessian).min() > 0
 
 
 def test_the_energy_of_springs_without_a_linear_part_is_kept() -> None:
-    found = find_kept_function(system(*KEPT["cubic springs"]))
-    assert found is not None
+    integral = find_kept_function(system(*KEPT["cubic springs"]))
+    assert integral is not None
     x, y, u, v = sympy.symbols("x y u v")
     energy = u**2 / 2 + v**2 / 2 + (x**4 + y**4 + (x - y) ** 4) / 4
-    assert sympy.simplify(sympy.sympify(found.formula.text) / energy).is_constant()
+    assert sympy.simplify(sympy.sympify(integral.formula.text) / energy).is_constant()
 
 
 @few(3)

@@ -25,13 +25,13 @@ def farthest(
     rhs: tuple[str, ...], starts: Floats, time: float, orders: tuple[int, ...] = (1, 1, 1), length: float = STEP
 ) -> Floats:
     """Sizes ``max |x_k|^(1/r_k)`` along paths over those at the start, of shape (100, starts)."""
-    powers, z, found = 1 / np.array(orders)[:, None], starts.copy(), []
+    powers, z, sizes = 1 / np.array(orders)[:, None], starts.copy(), []
     every = max(round(time / length / 100), 1)
     for step in range(100 * every):
         z = runge_kutta(lambda places: velocity(rhs, places), z, length)
         if step % every == every - 1:
-            found.append(np.max(np.abs(z) ** powers, axis=0))
-    return np.asarray(found / np.max(np.abs(starts) ** powers, axis=0))
+            sizes.append(np.max(np.abs(z) ** powers, axis=0))
+    return np.asarray(sizes / np.max(np.abs(starts) ** powers, axis=0))
 
 
 def spheres(size: float) -> Floats:
@@ -114,16 +114,16 @@ def test_few_products_are_asked_that_fail_nearer_an_axis(monkeypatch: pytest.Mon
 
 
 def test_few_rows_contradict_each_other_only_where_all_do() -> None:
-    drawn, seen = np.random.default_rng(3), set()
+    drawn, outcomes = np.random.default_rng(3), set()
     for _ in range(30):
         count = int(drawn.integers(2, 6))
         rows = drawn.normal(size=(400, count)) + drawn.normal(size=count) * drawn.choice([0.5, 3.0])
         limits = np.r_[np.zeros(399), -1.0]
-        found = least_sum(rows, limits, np.ones(count), 64.0)
+        least = least_sum(rows, limits, np.ones(count), 64.0)
         contradict = some_contradict(rows, limits, np.ones(count), 64.0)
-        assert found is None or not contradict
-        seen.add((found is None, contradict))
-    assert {(True, True), (False, False)} <= seen
+        assert least is None or not contradict
+        outcomes.add((least is None, contradict))
+    assert {(True, True), (False, False)} <= outcomes
 
 
 @pytest.mark.parametrize("radius", keep(1, ["1/8", "1/100", "1/2"]))

@@ -46,15 +46,15 @@ def refusal(certificate: dict[str, Any]) -> str:
 def found(names: tuple[str, ...], rhs: tuple[str, ...]) -> Found:
     """A region as of ``--region fast``, without the tetrahedra beside it (reports/test_region_many_states.py)."""
     result = decide_system(built(rhs, states=names))
-    own = find_region_of_another_function(result, "fast", lambda *_: None)
-    assert own is not None
-    formula, level = own.formula.text, float(own.region.level)
+    reshaped = find_region_of_another_function(result, "fast", lambda *_: None)
+    assert reshaped is not None
+    formula, level = reshaped.formula.text, float(reshaped.region.level)
 
     def values(places: Floats) -> Floats:
         return np.asarray(value(formula, **dict(zip(names, places.T, strict=True))) / level)
 
-    evidence = replace(result, reach=replace(result.reach, reshaped=own))
-    return Found(certificate_of(evidence), values, float(own.region.radius))
+    evidence = replace(result, reach=replace(result.reach, reshaped=reshaped))
+    return Found(certificate_of(evidence), values, float(reshaped.region.radius))
 
 
 def form(count: int) -> Floats:
@@ -74,13 +74,13 @@ def family(count: int) -> Found:
     return found(names, tuple(f"-{name} + ({square})*{name}" for name in names))
 
 
-def quadratic(own: Found, count: int) -> Floats:
+def quadratic(region: Found, count: int) -> Floats:
     """P with ``V = x' P x``."""
     unit = np.eye(count)
     matrix = np.zeros((count, count))
     for i in range(count):
         for j in range(count):
-            plus, minus = own.values(np.array([unit[i] + unit[j], unit[i] - unit[j]]))
+            plus, minus = region.values(np.array([unit[i] + unit[j], unit[i] - unit[j]]))
             matrix[i, j] = (plus - minus) / 4
     return matrix
 
@@ -88,11 +88,11 @@ def quadratic(own: Found, count: int) -> Floats:
 @pytest.mark.parametrize("count", keep(1, [3, 4, 6]))
 def test_nine_tenths_of_the_exact_level(count: int) -> None:
     """The region holds ``x' B x < 9/10``, and nothing outside of ``x' B x < 1``."""
-    own = family(count)
-    ratios = np.linalg.eigvals(np.linalg.solve(form(count), quadratic(own, count))).real
+    region = family(count)
+    ratios = np.linalg.eigvals(np.linalg.solve(form(count), quadratic(region, count))).real
     assert ratios.min() >= 1
     assert ratios.max() <= 1 / 0.9
-    assert not refusal(own.certificate)
+    assert not refusal(region.certificate)
 
 
 SYSTEMS: dict[str, tuple[tuple[str, ...], Any]] = {
@@ -122,11 +122,11 @@ def known(name: str) -> Found:
 @pytest.mark.parametrize("name", keep(1, reversed(SYSTEMS)))
 def test_every_start_comes_home(name: str) -> None:
     """From all over the region, most starts near its border."""
-    own = known(name)
-    assert not refusal(own.certificate)
-    places = np.random.default_rng(2).uniform(-own.within, own.within, (60 * STARTS, 3))
-    starts = places[own.values(places) < 1]
-    outer = np.argsort(-own.values(starts))[:STARTS]
+    region = known(name)
+    assert not refusal(region.certificate)
+    places = np.random.default_rng(2).uniform(-region.within, region.within, (60 * STARTS, 3))
+    starts = places[region.values(places) < 1]
+    outer = np.argsort(-region.values(starts))[:STARTS]
     assert len(outer) == STARTS
     assert (
         sizes_after(SYSTEMS[name][1], starts[outer], STEP, STEPS).max()
@@ -141,8 +141,8 @@ def test_forged_regions_are_refused(name: str, key: str) -> None:
     forged = copy.deepcopy(known(name).certificate)
     entry = forged["evidence"][-1]
     hypotheses = entry["hypotheses"]
-    claims = [own["attracts"] for own in forged["statement"]["claims"] if "attracts" in own]
-    claim = [own for own in claims if "function" in own][-1]
+    claims = [claim["attracts"] for claim in forged["statement"]["claims"] if "attracts" in claim]
+    claim = [c for c in claims if "function" in c][-1]
     assert claim["function"] == hypotheses["function"]
     if key == "level":
         hypotheses["level"] = claim["below"] = str(Fraction(hypotheses["level"]) * 2)
@@ -161,7 +161,7 @@ def coupled(count: int) -> _Iteration:
     pairs = [(x[k], x[k - 1], x[k - 2]) for k in range(count)]
     rhs = [f"-{a} + {b}/2 - {c}/2 + {a}*{b} - {a}**3 + {a}**2*{c}" for a, b, c in pairs]
     system = built(rhs, states=x)
-    return _Iteration(system, parse_piecewise(" + ".join(f"{own}**2" for own in x), x), None)
+    return _Iteration(system, parse_piecewise(" + ".join(f"{name}**2" for name in x), x), None)
 
 
 @pytest.mark.parametrize(("count", "further"), [(3, 25), (4, 25), (6, 0)])

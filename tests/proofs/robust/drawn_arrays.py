@@ -32,14 +32,14 @@ def drawn_model(
     places = np.array([[float(x) for x in wheel.position] for wheel in wheels]) + float(box.position) * shift(n, 2)
     angles = np.array([np.arctan2(float(y), float(x)) for x, y in (wheel.unit_direction for wheel in wheels)])
     angles = angles + np.pi * float(box.heading) * shift(n)
-    given = np.array([float(wheel.speed) for wheel in wheels]) if speeds is None else speeds
+    nominal = np.array([float(wheel.speed) for wheel in wheels]) if speeds is None else speeds
     roll = np.array([float(wheel.friction.roll) for wheel in wheels]) * (1 + float(box.mu_roll) * shift(n))
     side = np.array([float(wheel.friction.side) for wheel in wheels]) * (1 + float(box.mu_side) * shift(n))
-    rims, given = np.column_stack([np.cos(angles), np.sin(angles)]), given * (1 + float(box.speed) * shift(n))
+    rims, nominal = np.column_stack([np.cos(angles), np.sin(angles)]), nominal * (1 + float(box.speed) * shift(n))
     rolls = [(wheel.friction.rule or scene.contact.rule) == "roller" for wheel in wheels]
     if not any(rolls):
-        return ContactModel.build(places, rims, given, np.column_stack([roll, side]))
+        return ContactModel.build(places, rims, nominal, np.column_stack([roll, side]))
     across, cuts = np.where(rolls, roll, side), np.where(rolls, np.minimum(side / roll, 1.0), 1.0)
-    model = ContactModel.build(places, rims, given, np.column_stack([roll, across]))
+    model = ContactModel.build(places, rims, nominal, np.column_stack([roll, across]))
     sets = [FrictionSet(*axes) for axes in zip(roll, across, cuts, strict=True)]
     return with_friction_sets(model, sets)

@@ -78,8 +78,8 @@ def test_irrational_places_are_followed(name: str, tmp_path: Path) -> None:
 
 def array_of(certificate: Record) -> Scene:
     """The array of a certificate, with its tolerances, seen from the checked point."""
-    decode, own = Decoder(certificate), subject(certificate)
-    sizes: dict[str, Any] = {name: decode.number(size) for name, size in own["tolerances"].items()}
+    decode, about = Decoder(certificate), subject(certificate)
+    sizes: dict[str, Any] = {name: decode.number(size) for name, size in about["tolerances"].items()}
     box = Tolerance(centre_of_mass=decode.field.zero, **sizes)
     return replace(rebuilt(certificate, decode).recentred(), tolerances=box)
 
@@ -109,8 +109,8 @@ def claim_other(certificate: Record, key: str, value: Any) -> None:
 
 def scaled(key: str, factor: Fraction) -> Callable[[Record], None]:
     def forge(certificate: Record) -> None:
-        known = {**subject(certificate)["tolerances"], **said(certificate)["tolerances"]}
-        claim_other(certificate, key, str(Fraction(known[key]) * factor))
+        tolerances = {**subject(certificate)["tolerances"], **said(certificate)["tolerances"]}
+        claim_other(certificate, key, str(Fraction(tolerances[key]) * factor))
 
     return forge
 
@@ -147,8 +147,8 @@ def test_forged_claims_are_rejected(certificate: Record, name: str) -> None:
 
 
 def test_missing_and_spare_keys_are_rejected(certificate: Record) -> None:
-    own = certificate["evidence"][1]["hypotheses"]
-    others: list[Any] = [{"rate": "1"}, {**own, "more": "1"}, None, []]
+    hypotheses = certificate["evidence"][1]["hypotheses"]
+    others: list[Any] = [{"rate": "1"}, {**hypotheses, "more": "1"}, None, []]
     for bounds in others:
         forged = copy.deepcopy(certificate)
         forged["evidence"][1]["hypotheses"] = bounds
@@ -213,10 +213,10 @@ ARRAYS = 1_000  # of a box, which are drawn for a mutant
 
 def bounds_only(certificate: Record) -> Record:
     """Nothing of Theorem 4: the tolerances are a theorem of their own."""
-    own = copy.deepcopy(certificate)
-    own["evidence"] = [entry for entry in own["evidence"] if entry["theorem"] == "tolerances"]
-    own["statement"]["claims"] = [claim for claim in own["statement"]["claims"] if "tolerances" in claim]
-    return own
+    record = copy.deepcopy(certificate)
+    record["evidence"] = [entry for entry in record["evidence"] if entry["theorem"] == "tolerances"]
+    record["statement"]["claims"] = [claim for claim in record["statement"]["claims"] if "tolerances" in claim]
+    return record
 
 
 # ---- Feedback of arrays drawn from a box, under the law of the scene: minimizers by a linear program.
@@ -307,16 +307,18 @@ def test_no_array_of_the_box_is_slower_under_rules_with_friction_sets(name: str,
     assert loop.rate is not None
     assert feedback.certified_kappa is not None
     assert 0 < loop.rate < feedback.certified_kappa
-    own = in_own_length(replace(scene, tolerances=box).recentred())
+    rescaled = in_own_length(replace(scene, tolerances=box).recentred())
     cone, rng = feedback.cones[0], np.random.default_rng(9)
     twists = np.array([[float(x) for x in twist] for twist in cone.vectors])
-    speeds = [np.array(rim_speeds(own, imposed)) for imposed in cone.twists]
-    assert own.tolerances is not None
+    speeds = [np.array(rim_speeds(rescaled, imposed)) for imposed in cone.twists]
+    assert rescaled.tolerances is not None
     for k in range(count):
         g = rng.normal(size=3)
         products = twists @ g
         m = int(np.argmax(np.abs(products)))
-        model = drawn_model(own.recentred(), own.tolerances, rng, corner=k % 2 == 0, speeds=-products[m] * speeds[m])
+        model = drawn_model(
+            rescaled.recentred(), rescaled.tolerances, rng, corner=k % 2 == 0, speeds=-products[m] * speeds[m]
+        )
         moved = EllipseMinimizer().minimize(model, loads_at(model, 1e-9 * g[None, :2])).twists[0]
         assert g @ moved <= -float(loop.rate) * (g @ g) + 1e-6
 

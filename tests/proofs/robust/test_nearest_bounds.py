@@ -247,20 +247,20 @@ def test_the_entry_that_binds_is_that_without_which_the_factor_grows_most(
     """Of a statement that holds below a weighted sum the largest share binds, which few boxes tell."""
     box, asked = table(tmp_path).tolerances, 0
     assert box is not None
-    own = {name: float(getattr(box, name)) for name in box.names}
+    sizes = {name: float(getattr(box, name)) for name in box.names}
 
     def holds(other: Tolerance) -> bool:
         nonlocal asked
         asked += 1
-        shares = (float(getattr(other, name)) / own[name] for name in own)
+        shares = (float(getattr(other, name)) / sizes[name] for name in sizes)
         return sum(weight * share for weight, share in zip(weights, shares, strict=True)) <= 10
 
     factor = largest_factor(holds, box)
     assert float(factor) == pytest.approx(10 / sum(weights), rel=0.02) or (factor == 0 and weights[0] == 1e4)
     asked = 0
     binding = binding_entry(holds, box, factor)
-    assert binding == (None if not factor else max(own, key=lambda name: weights[list(own).index(name)]))
-    assert asked <= 4 * len(own)
+    assert binding == (None if not factor else max(sizes, key=lambda name: weights[list(sizes).index(name)]))
+    assert asked <= 4 * len(sizes)
 
 
 # ---- Rule ``box`` over boxes of parameters, against arrays drawn from them: minimizers by a linear program, and
@@ -278,41 +278,41 @@ def disc_of(name: str, radius: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Sc
     monkeypatch.setattr(rings, "RINGS", 8)
     monkeypatch.setattr(BoxRingProof, "halvings", 0)
     scene = load_scene(name, rule="box", radius=radius).recentred()
-    found = BoxRingProof(scene).disc(small_box(scene), Fraction(radius))
-    assert found is not None
-    return scene, found
+    disc = BoxRingProof(scene).disc(small_box(scene), Fraction(radius))
+    assert disc is not None
+    return scene, disc
 
 
 @few(1)
 @pytest.mark.parametrize(("name", "radius"), [("four-wheel", "13/20"), ("ring-5", "9/20"), ("ring-6", "9/20")])
 def test_no_array_of_the_box_breaks_the_rate(name: str, radius: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Corners of the box and arrays inside it, each at points between the disc and the starts."""
-    scene, found = disc_of(name, radius, monkeypatch)
+    scene, disc = disc_of(name, radius, monkeypatch)
     within, rng = small_box(scene), np.random.default_rng(1)
     for k in range(24):
         model = drawn_model(scene, within, rng, corner=k % 2 == 0)
-        sizes = rng.uniform(float(found.radius), float(found.start), 6)
+        sizes = rng.uniform(float(disc.radius), float(disc.start), 6)
         angles = rng.uniform(0, 2 * np.pi, 6)
         points = sizes[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
         falling = (points * twists(model, points)[:, :2]).sum(axis=1)
-        assert (falling <= -float(min(found.rates)) * sizes + PROGRAM_ROUNDING).all()
+        assert (falling <= -float(min(disc.rates)) * sizes + PROGRAM_ROUNDING).all()
 
 
 @thorough  # the small one: test_no_array_of_the_box_breaks_the_rate
 def test_paths_end_in_the_disc_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Euler's steps; a path may be outside by a step, for it slides along borders of cells."""
-    scene, found = disc_of("four-wheel", "7/10", monkeypatch)
+    scene, disc = disc_of("four-wheel", "7/10", monkeypatch)
     within, rng = small_box(scene), np.random.default_rng(2)
-    time = float(found.time_to(found.radius))
+    time = float(disc.time_to(disc.radius))
     for k in range(3):
         model = drawn_model(scene, within, rng, corner=k < 2)
         angles = rng.uniform(0, 2 * np.pi, 4)
-        points = float(found.start) * np.column_stack([np.cos(angles), np.sin(angles)])
+        points = float(disc.start) * np.column_stack([np.cos(angles), np.sin(angles)])
         step = time / 60
         for _ in range(60):
             moved = twists(model, points)
             points = points + step * (moved[:, :2] + moved[:, 2:] * np.column_stack([-points[:, 1], points[:, 0]]))
-        assert np.hypot(*points.T).max() <= float(found.radius) + 2 * step
+        assert np.hypot(*points.T).max() <= float(disc.radius) + 2 * step
 
 
 @pytest.mark.parametrize("name", keep(2, ["four-wheel", "rectangle", "ring-6", "grid-4x4"]))

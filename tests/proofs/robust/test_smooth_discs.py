@@ -91,9 +91,9 @@ def test_tolerances_of_mixed_wheels_are_followed() -> None:
 def assert_each_attracts(scene: Scene, count: int, tolerances: Tolerance | None = None) -> None:
     """Every array that is drawn rests in the disc that is proved, and near it the body comes to that place."""
     box = tolerances or small_box(scene)
-    found = equilibrium_box(scene, box)
-    assert found is not None
-    reach, rng = float(found.squared) ** 0.5, np.random.default_rng(2)
+    disc = equilibrium_box(scene, box)
+    assert disc is not None
+    reach, rng = float(disc.squared) ** 0.5, np.random.default_rng(2)
     for k in range(count):
         model = drawn_model(scene, box, rng, corner=k % 2 == 0)
         solved = root(lambda c, model=model: velocity(model, c), np.zeros(2), tol=1e-10)
@@ -104,7 +104,7 @@ def assert_each_attracts(scene: Scene, count: int, tolerances: Tolerance | None 
         columns = [velocity(model, place + step * e) - velocity(model, place - step * e) for e in np.eye(2)]
         assert np.linalg.eigvals(np.column_stack(columns) / (2 * step)).real.max() < 0
         omega = EllipseMinimizer().minimize(model, loads_at(model, place[None])).twists[0, 2]
-        assert abs(omega) <= float(abs(found.spin).upper()) + 1e-5
+        assert abs(omega) <= float(abs(disc.spin).upper()) + 1e-5
 
 
 @thorough  # the small one: test_every_array_has_its_equilibrium_in_the_disc_and_it_attracts
@@ -112,13 +112,13 @@ def test_the_bound_is_not_far_from_what_arrays_do() -> None:
     """To first order it is the sum of the sizes of all shifts: one corner of the box comes near it."""
     scene = load_scene("four-wheel", rule="ellipse")
     box = replace(small_box(scene).times(Fraction(1, 10)), position=scene.field(0), heading=Fraction(0))
-    found = equilibrium_box(scene, box)
-    assert found is not None
+    disc = equilibrium_box(scene, box)
+    assert disc is not None
     rng, farthest = np.random.default_rng(4), 0.0
     for _ in range(60):
         model = drawn_model(scene, box, rng, corner=True)
         farthest = max(farthest, float(np.hypot(*root(lambda c, model=model: velocity(model, c), np.zeros(2)).x)))
-    assert 0.4 * float(found.squared) ** 0.5 < farthest <= float(found.squared) ** 0.5 + SLACK
+    assert 0.4 * float(disc.squared) ** 0.5 < farthest <= float(disc.squared) ** 0.5 + SLACK
 
 
 @pytest.mark.parametrize("radius", keep(1, ["1/5", None]))
@@ -257,10 +257,10 @@ def test_loads_are_enclosed_as_tightly_in_millimetres(arrays: Arrays) -> None:
 
     def widths(unit: int) -> list[float]:
         places = [(Fraction(x * unit, 10), Fraction(y * unit, 10)) for x, y in ((-3, 7), (-6, -9), (8, 3))]
-        found = load_box(arrays.scene(arrays.inward(places)), arb(unit) / 1000)
-        assert found is not None
+        loads = load_box(arrays.scene(arrays.inward(places)), arb(unit) / 1000)
+        assert loads is not None
         return [
-            float(part.rad()) * size for form in found.forms for part, size in zip(form, (1, unit, unit), strict=True)
+            float(part.rad()) * size for form in loads.forms for part, size in zip(form, (1, unit, unit), strict=True)
         ]
 
     assert widths(1000) == pytest.approx(widths(1), rel=1e-3)
@@ -396,14 +396,14 @@ def test_intervals_hold_exact_results() -> None:
         second = Intervals(np.array(min(c, d)), np.array(max(c, d)))
         for p in (a, b):
             for q in (c, d):
-                for found, exact in (
+                for enclosure, exact in (
                     (first + second, Fraction(p) + Fraction(q)),
                     (first - second, Fraction(p) - Fraction(q)),
                     (first * second, Fraction(p) * Fraction(q)),
                     (first.square, Fraction(p) ** 2),
                     (abs(first), abs(Fraction(p))),
                 ):
-                    assert within(exact, float(found.low), float(found.high))
+                    assert within(exact, float(enclosure.low), float(enclosure.high))
         root = abs(first).sqrt()
         assert within(Fraction(float(root.low)) ** 2, 0.0, abs(a) * (1 + 1e-9)) or a == 0
         assert Fraction(float(root.high)) ** 2 >= max(abs(Fraction(a)), abs(Fraction(b)))
@@ -413,10 +413,10 @@ def test_unit_vectors_stay_inside() -> None:
     rng = np.random.default_rng(4)
     low, width = rng.uniform(-1, 1, (2, 500)), rng.uniform(0, 1, (2, 500)) * rng.choice([0.0, 0.1, 1.0], (2, 500))
     first, second = (Intervals(low[k], low[k] + width[k]) for k in range(2))
-    found = cosine(first, second)
+    enclosure = cosine(first, second)
     for share in rng.uniform(0, 1, (40, 2)):
         a, b = low[0] + share[0] * width[0], low[1] + share[1] * width[1]
-        assert (np.abs(np.clip(a / np.hypot(a, b), found.low, found.high) - a / np.hypot(a, b)) < 1e-15).all()
+        assert (np.abs(np.clip(a / np.hypot(a, b), enclosure.low, enclosure.high) - a / np.hypot(a, b)) < 1e-15).all()
 
 
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
@@ -458,18 +458,18 @@ def test_a_slip_that_may_vanish_leaves_the_whole_friction_set() -> None:
 
 
 def test_balls_become_intervals() -> None:
-    found = Intervals.about([arb(1) / 3, arb(2, 0.5)])
-    assert within(Fraction(1, 3), float(found.low[0]), float(found.high[0]))
-    assert found.low[1] <= 1.5
-    assert found.high[1] >= 2.5
+    intervals = Intervals.about([arb(1) / 3, arb(2, 0.5)])
+    assert within(Fraction(1, 3), float(intervals.low[0]), float(intervals.high[0]))
+    assert intervals.low[1] <= 1.5
+    assert intervals.high[1] >= 2.5
 
 
 def test_a_sum_of_intervals_holds_the_sum_of_their_ends() -> None:
     ends = np.sort(np.random.default_rng(7).normal(size=(2, 50, 30)) * 10.0 ** np.arange(-15, 15), axis=0)
-    found = Intervals(*ends).sum(axis=1)
+    total = Intervals(*ends).sum(axis=1)
     low, high = ([sum(Fraction(entry) for entry in row) for row in part] for part in ends)
-    assert all(a <= b for a, b in zip(found.low, low, strict=True))
-    assert all(a >= b for a, b in zip(found.high, high, strict=True))
+    assert all(a <= b for a, b in zip(total.low, low, strict=True))
+    assert all(a >= b for a, b in zip(total.high, high, strict=True))
 
 
 def test_no_minimum_is_guessed_where_the_last_step_ends_without_curvature(tmp_path: Path) -> None:
@@ -500,10 +500,10 @@ def test_powers_and_wrenches_of_drawn_arrays_lie_in_those_of_the_box(name: str) 
         middle = 2 * np.pi * float(piece.start + piece.width / 2)
         frame = np.array([[np.cos(middle), np.sin(middle)], [-np.sin(middle), np.cos(middle)]])
         twist = rng.normal(size=3)  # along the frame
-        own = [Intervals.of(np.array([[value]])) for value in twist]
+        components = [Intervals.of(np.array([[value]])) for value in twist]
         pieces = PieceForces.of(bound, [piece])
-        forces = pieces.forces((own[0], own[1], own[2]))
-        enclosed = (pieces.power(forces, (own[0], own[1], own[2])), *pieces.wrench(forces))
+        forces = pieces.forces((components[0], components[1], components[2]))
+        enclosed = (pieces.power(forces, (components[0], components[1], components[2])), *pieces.wrench(forces))
         for _ in range(20):
             model = drawn_model(scene, box, rng, corner=bool(rng.integers(2)))
             angle = 2 * np.pi * (float(piece.start) + rng.uniform(0, float(width)))

@@ -49,10 +49,10 @@ def positive(terms: Terms, guards: Sequence[Terms] = (), *, box: bool = False, a
     return Claim("p", (Inequality(value, {**named, **sides}),), strict=True, at_origin=at_origin, bounded=box)
 
 
-def follows(asked: Claim, found: Shown) -> bool:
+def follows(claim: Claim, proof: Shown) -> bool:
     """Whether the checker is shown a claim, strict or not, by evidence that says so."""
     try:
-        show(replace(asked, strict=found.strict), found.evidence)
+        show(replace(claim, strict=proof.strict), proof.evidence)
     except RejectedError:
         return False
     return True
@@ -83,16 +83,16 @@ NOT_POSITIVE = [
 ]
 
 
-@pytest.mark.parametrize("asked", PROVED)
-def test_positive_polynomials_are_proved(asked: Claim) -> None:
-    found = find(asked, Effort.STRICT)
-    assert found is not None
-    assert follows(asked, found)
+@pytest.mark.parametrize("claim", PROVED)
+def test_positive_polynomials_are_proved(claim: Claim) -> None:
+    proof = find(claim, Effort.STRICT)
+    assert proof is not None
+    assert follows(claim, proof)
 
 
-@pytest.mark.parametrize("asked", NOT_POSITIVE)
-def test_polynomials_with_zeros_are_not(asked: Claim) -> None:
-    assert find(asked, Effort.STRICT) is None
+@pytest.mark.parametrize("claim", NOT_POSITIVE)
+def test_polynomials_with_zeros_are_not(claim: Claim) -> None:
+    assert find(claim, Effort.STRICT) is None
 
 
 def test_zeros_are_allowed_where_that_is_asked() -> None:
@@ -120,15 +120,15 @@ def test_products_of_guards_and_squares_are_shown_where_they_vanish_along_faces(
     """``-V'`` of friction of second order, on the ground and between two bodies: zero wherever nothing moves."""
     y, w, apart = {(0, 1, 0): 1}, {(0, 0, 1): 1}, {(0, 1, 0): 1, (0, 0, 1): -1}
     cube_of_apart = {(0, 3, 0): 1, (0, 2, 1): -3, (0, 1, 2): 3, (0, 0, 3): -1}
-    for asked in (
+    for claim in (
         positive({(0, 3, 0): 2, (0, 0, 3): (1, 3)}, [y, w]),
         positive({**cube_of_apart, (0, 1, 2): 4}, [y, apart]),
         positive({**cube_of_apart, (0, 0, 3): (-3, 4)}, [apart, w], box=True),
     ):
-        found = find(asked, Effort.FULL)
-        assert found is not None
-        assert not found.strict
-        assert follows(asked, found)
+        proof = find(claim, Effort.FULL)
+        assert proof is not None
+        assert not proof.strict
+        assert follows(claim, proof)
     assert find(positive({(0, 3, 0): 2, (0, 0, 3): (-1, 3)}, [y, w]), Effort.FULL) is None
     assert find(positive(cube_of_apart, [y, w]), Effort.FULL) is None
 
@@ -140,17 +140,17 @@ def test_what_is_proved_is_positive_at_points(seed: int) -> None:
     for e in ((1, 1), (3, 0), (2, 1), (1, 2), (0, 3), (4, 0), (2, 2), (0, 4)):
         terms[e] = int(rng.integers(-4, 5))
     guard = {(1, 0): int(rng.integers(-2, 3)), (0, 1): 1}
-    asked = positive(terms, [guard], box=True)
+    claim = positive(terms, [guard], box=True)
     points = rng.uniform(-1, 1, (20_000, 2))
     points = points[points @ [float(guard[1, 0]), 1.0] >= 0]
     values = sum(float(c) * points[:, 0] ** e[0] * points[:, 1] ** e[1] for e, c in terms.items())
     ratio = float(np.min(values / (points**2).sum(axis=1)))
-    found = find(asked, Effort.STRICT)
-    if found is not None:
-        assert follows(asked, found)
+    proof = find(claim, Effort.STRICT)
+    if proof is not None:
+        assert follows(claim, proof)
         assert ratio > 0
     if ratio > 0.2:
-        assert found is not None
+        assert proof is not None
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -166,16 +166,16 @@ def test_elimination_agrees_with_eigenvalues(seed: int) -> None:
 
 
 def test_changed_evidence_is_refused() -> None:
-    asked = PROVED[1]
-    found = find(asked, Effort.STRICT)
-    assert found is not None
-    assert len(found.evidence["squares"][0]) > 1
+    claim = PROVED[1]
+    proof = find(claim, Effort.STRICT)
+    assert proof is not None
+    assert len(proof.evidence["squares"][0]) > 1
     for change in (added_little, negated, with_other_monomials, without_the_first, without_the_last):
-        forged = deepcopy(found.evidence)
+        forged = deepcopy(proof.evidence)
         change(forged["squares"][0])
-        assert forged != found.evidence
-        assert not follows(asked, replace(found, evidence=forged)), change
-    assert not follows(PROVED[0], found)
+        assert forged != proof.evidence
+        assert not follows(claim, replace(proof, evidence=forged)), change
+    assert not follows(PROVED[0], proof)
 
 
 def added_little(squares: list[Any]) -> None:
@@ -199,10 +199,10 @@ def without_the_last(squares: list[Any]) -> None:
 
 
 def test_a_sum_of_squares_must_separate_the_origin() -> None:
-    asked = positive({(2, 0): 1})
+    claim = positive({(2, 0): 1})
     square = {"squares": [[{"guards": [], "monomials": [[1, 0]], "gram": [["1"]]}]]}
-    assert not follows(asked, Shown(square, strict=True))
-    assert follows(asked, Shown(square, strict=False))
+    assert not follows(claim, Shown(square, strict=True))
+    assert follows(claim, Shown(square, strict=False))
 
 
 def test_equations_without_a_solution_have_none() -> None:
@@ -210,18 +210,18 @@ def test_equations_without_a_solution_have_none() -> None:
 
     matrix = fmpq_mat([[1, 1], [2, 2]])
     assert particular_solution(matrix, fmpq_mat([[1], [3]])) is None
-    found = particular_solution(matrix, fmpq_mat([[1], [2]]))
-    assert found is not None
-    assert matrix * found == fmpq_mat([[1], [2]])
+    solution = particular_solution(matrix, fmpq_mat([[1], [2]]))
+    assert solution is not None
+    assert matrix * solution == fmpq_mat([[1], [2]])
 
 
 def test_squares_that_lie_beneath_the_newton_polyhedron_are_left_out() -> None:
     """Near the origin ``y^2 + x^6`` is larger than the rest; squares of x and x^2 could only be zero."""
-    asked = positive({(0, 2): 2, (6, 0): 1, (4, 1): 2, (2, 2): 1, (6, 1): (-1, 8), (2, 3): (-1, 8)}, box=True)
-    found = find(asked, Effort.STRICT)
-    assert found is not None
-    assert follows(asked, found)
-    used = {tuple(m) for entry in found.evidence["squares"][0] for m in entry["monomials"]}
+    claim = positive({(0, 2): 2, (6, 0): 1, (4, 1): 2, (2, 2): 1, (6, 1): (-1, 8), (2, 3): (-1, 8)}, box=True)
+    proof = find(claim, Effort.STRICT)
+    assert proof is not None
+    assert follows(claim, proof)
+    used = {tuple(m) for entry in proof.evidence["squares"][0] for m in entry["monomials"]}
     assert (3, 0) in used
     assert not used & {(1, 0), (2, 0)}
 
@@ -233,15 +233,15 @@ def test_monomials_are_those_of_the_newton_polyhedron_and_of_half_the_polytope(s
     for _ in range(12):
         support = set(rng.sample(monomials_between(2, 2, 6), rng.randint(1, 5)))
         lines = [(b[1] - a[1], a[0] - b[0]) for a, b in permutations(support, 2)] + [(1, 0), (0, 1), (-1, 0), (0, -1)]
-        upward = [own for own in lines if min(own) >= 0]
+        upward = [normal for normal in lines if min(normal) >= 0]
         product = dict.fromkeys([(0, 0), *rng.sample(monomials_between(2, 1, 2), 2)], fmpq(1))
         blocks = [
             Block((), {(0, 0): fmpq(1)}, monomials_between(2, 0, 3)),
             Block((0,), product, monomials_between(2, 0, 3)),
         ]
         for before, after in zip(blocks, above_polyhedron(support, blocks), strict=True):
-            kept = [m for m in before.monomials if all(lies_in(support, upward, m, e) for e in before.product)]
-            assert list(after.monomials) == kept
+            monomials = [m for m in before.monomials if all(lies_in(support, upward, m, e) for e in before.product)]
+            assert list(after.monomials) == monomials
         (plain,) = plain_block(Condition(dict.fromkeys(support, fmpq(1)), {}, (), (), 2))
         assert set(plain.monomials) == {m for m in monomials_between(2, 0, 3) if lies_in(support, lines, m, (0, 0))}
 
@@ -249,15 +249,15 @@ def test_monomials_are_those_of_the_newton_polyhedron_and_of_half_the_polytope(s
 def lies_in(support: Collection[Exponents], normals: Sequence[Exponents], m: Exponents, e: Exponents) -> bool:
     """Whether ``2 m + e`` lies beyond the support along every one of some normals."""
     place = tuple(2 * a + b for a, b in zip(m, e, strict=True))
-    return all(dot(normal, place) >= min(dot(normal, own) for own in support) for normal in normals)
+    return all(dot(normal, place) >= min(dot(normal, exponents) for exponents in support) for normal in normals)
 
 
 def test_guards_that_vanish_at_the_origin_may_cancel_what_lies_beneath() -> None:
     """``y > 0`` where ``y >= x^2`` off the origin: ``y = (y - x^2) + x^2``, and y has no term in x."""
-    asked = positive({(0, 1): 1, (0, 2): 1}, [{(0, 1): 1, (2, 0): -1}], box=True)
-    found = find(asked, Effort.STRICT)
-    assert found is not None
-    assert follows(asked, found)
+    claim = positive({(0, 1): 1, (0, 2): 1}, [{(0, 1): 1, (2, 0): -1}], box=True)
+    proof = find(claim, Effort.STRICT)
+    assert proof is not None
+    assert follows(claim, proof)
 
 
 def test_high_degrees_need_the_monomials_of_half_the_newton_polytope_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -269,10 +269,10 @@ def test_high_degrees_need_the_monomials_of_half_the_newton_polytope_alone(monke
 
     monkeypatch.setattr("nonsmooth.proofs.sums_of_squares.prove.solve", noting)
     steep = positive({(10, 0, 0): 1, (0, 10, 0): 2, (0, 0, 12): 2}, box=True)
-    found = find(steep, Effort.STRICT)
-    assert found is not None
-    assert found.strict
-    assert follows(steep, found)
+    proof = find(steep, Effort.STRICT)
+    assert proof is not None
+    assert proof.strict
+    assert follows(steep, proof)
     flat = positive({(4, 0, 2): 1, (0, 4, 2): 2, (0, 0, 6): 2}, box=True)  # zero where z is
     weak = find(flat, Effort.FULL)
     assert weak is not None
