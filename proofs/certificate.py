@@ -105,41 +105,41 @@ def turning_factor(partition: Partition, rotation: RotationResult) -> Fraction |
 
 def ellipse_record(translation: TranslationResult, rotation: RotationResult) -> Record | None:
     """What the checker needs of ``V = c^T P c``; None where there is none, or it shows no more than a disc."""
-    found = translation.quadratic
-    if found is None:
+    certificate = translation.quadratic
+    if certificate is None:
         return None
-    rho = found.descent.eccentricity
-    squared_radius = found.disc_radius * found.disc_radius
-    if sign(squared_radius * (1 + rho) - found.level) >= 0:  # the checker's ellipse touches no side
+    rho = certificate.descent.eccentricity
+    squared_radius = certificate.disc_radius * certificate.disc_radius
+    if sign(squared_radius * (1 + rho) - certificate.level) >= 0:  # the checker's ellipse touches no side
         squared_radius = squared_radius * NEARLY
     level = squared_radius * (1 + rho)
-    arrival = _arrival(found, found.swift or found.descent, squared_radius)
+    arrival = _arrival(certificate, certificate.swift or certificate.descent, squared_radius)
     if arrival is None:
         return None
     record = {
         "squared_radius": squared_radius,
-        "form": _form(found.shape),
+        "form": _form(certificate.shape),
         "level": level,
         "squared_swing": level / (1 - rho),
-        "bend": _bend(found.descent, level),
+        "bend": _bend(certificate.descent, level),
         "arrival": arrival,
     }
-    if _crosses_lines(found, level):
+    if _crosses_lines(certificate, level):
         record["sides"] = True
     drift = rotation.drift
     if drift is None or any(drift.interval):
         return record
-    fastest = max(rational_above(enclosure(abs(twist.omega))) for _, twist in _corner_twists(found))
+    fastest = max(rational_above(enclosure(abs(twist.omega))) for _, twist in _corner_twists(certificate))
     return {**record, "turn": short_above(fastest / arrival["rate"])}
 
 
-def _crosses_lines(found: QuadraticCertificate, level: Number) -> bool:
+def _crosses_lines(certificate: QuadraticCertificate, level: Number) -> bool:
     """Whether ``V = level`` meets the line of a side of the cells somewhere, beyond that side."""
-    a, b = found.shape
+    a, b = certificate.shape
     determinant = 1 - a * a - b * b
     return any(
-        sign(determinant * cross(p, q) * cross(p, q) - level * found.value(minus(q, p))) <= 0
-        for p, q in rim(found.cones)
+        sign(determinant * cross(p, q) * cross(p, q) - level * certificate.value(minus(q, p))) <= 0
+        for p, q in rim(certificate.cones)
     )
 
 
@@ -154,13 +154,13 @@ def _bend(falling: QuadraticDecrease, level: Number) -> Fraction:
     return short_above(rational_above((enclosure(level) * rational_ball(rho * rho / (1 - rho * rho))).sqrt()))
 
 
-def _arrival(found: QuadraticCertificate, falling: QuadraticDecrease, squared_radius: Number) -> Record | None:
+def _arrival(certificate: QuadraticCertificate, falling: QuadraticDecrease, squared_radius: Number) -> Record | None:
     """Speeds at which sqrt(W) falls, step by step, and the rate that follows; None where one is not positive."""
     rho = falling.eccentricity
     level = squared_radius * (1 + rho)
     bend = _bend(falling, level)
     slopes = []
-    for corner, twist in _corner_twists(found):
+    for corner, twist in _corner_twists(certificate):
         image = shaped(falling.shape, corner)
         down, size = -dot(image, twist.velocity), dot(image, corner)
         slopes.append((enclosure(down) / enclosure(size).sqrt(), enclosure(abs(twist.omega))))
@@ -175,9 +175,9 @@ def _arrival(found: QuadraticCertificate, falling: QuadraticDecrease, squared_ra
     return {"form": _form(falling.shape), "level": level, "bend": bend, "speeds": speeds, "rate": rate}
 
 
-def _corner_twists(found: QuadraticCertificate) -> Iterator[tuple[Point, Twist]]:
+def _corner_twists(certificate: QuadraticCertificate) -> Iterator[tuple[Point, Twist]]:
     """Each corner of the cells at the point, but that, with each motion there."""
-    for cone in found.cones:
+    for cone in certificate.cones:
         for vertex in cone.cell.polygon.vertices:
             for twist in cone.twists if any(vertex) else ():
                 yield vertex, twist
@@ -362,14 +362,14 @@ def _bounds(partition: Partition, results: Mapping[str, Any], disc: CertifiedDis
     """The numbers that are stated beside the verdicts, with what they need; without those that are not shown."""
     translation, rotation = results["translation"], results["rotation"]
     rests = rotation.drift is not None and not any(rotation.drift.interval)
-    found = {
+    bounds = {
         "drift": None if rotation.drift is None else list(homogeneous(rotation.drift.interval)),
         "rate": disc.rate,
         "turn": turning_factor(partition, rotation) if rests and disc.squared_radius is not None else None,
         "ellipse": ellipse_record(translation, rotation),
         "law": law_record(results["feedback"]),
     }
-    return {name: bound for name, bound in found.items() if bound is not None}
+    return {name: bound for name, bound in bounds.items() if bound is not None}
 
 
 def _claims(

@@ -87,14 +87,14 @@ def decided_places(system: SwitchedSystem) -> tuple[EnclosedEquilibria, tuple[De
         SceneError: as :func:`.rest_places`.
         ContradictionError: where a place rests although it is certified to be left.
     """
-    found = rest_places(system)
+    enclosed = rest_places(system)
     decided = []
-    for number, place in enumerate(found.places):
-        with part_of(number, len(found.places), "places"):
+    for number, place in enumerate(enclosed.places):
+        with part_of(number, len(enclosed.places), "places"):
             decided.append(_decided(system, place))
-    _refuse_contradiction(system, found, decided)
-    left = [box for box in found.left if not any(place.attracts_all(box) for place in decided)]
-    return replace(found, left=tuple(left)), tuple(decided)
+    _refuse_contradiction(system, enclosed, decided)
+    left = [box for box in enclosed.left if not any(place.attracts_all(box) for place in decided)]
+    return replace(enclosed, left=tuple(left)), tuple(decided)
 
 
 def _decided(system: SwitchedSystem, place: EnclosedEquilibrium) -> DecidedPlace:
@@ -112,10 +112,12 @@ def _decided(system: SwitchedSystem, place: EnclosedEquilibrium) -> DecidedPlace
     return DecidedPlace(place, result.verdict, str(result.method), result)
 
 
-def _refuse_contradiction(system: SwitchedSystem, found: EnclosedEquilibria, decided: Sequence[DecidedPlace]) -> None:
+def _refuse_contradiction(
+    system: SwitchedSystem, enclosed: EnclosedEquilibria, decided: Sequence[DecidedPlace]
+) -> None:
     """Refuse a place that rests, and the end of a segment, if every start there is certified to come to another one."""
     centre = [c.ball() for c in system.check.equilibrium]
-    ends = [end for polytope in found.stretches for end in polytope.corners]
+    ends = [end for polytope in enclosed.stretches for end in polytope.corners]
     resting = [tuple(x.ball() + c for x, c in zip(end, centre, strict=True)) for end in ends]
     for attractor in decided:
         others = (other.place.place for other in decided if other is not attractor)

@@ -99,16 +99,16 @@ def least_near(
     inequality: Inequality, points: Floats, values_at: Callable[[Floats], Floats]
 ) -> tuple[float, tuple[float, ...]]:
     """The same of any values, at some points that are kept and closer and closer to the best of them."""
-    source, found = np.random.default_rng(0), (float("inf"), ())
+    source, best_so_far = np.random.default_rng(0), (float("inf"), ())
     for k in range(ROUNDS):
         if not len(points):
             break
         values = values_at(points)
         best = points[np.argsort(values)[:BEST]]
-        found = float(values.min()), tuple(best[0])
+        best_so_far = float(values.min()), tuple(best[0])
         steps = source.normal(scale=SPREAD ** (k + 1), size=(BEST, *best.shape))
         points = kept(inequality, np.vstack([best, np.clip((best + steps).reshape(-1, best.shape[1]), -1, 1)]))
-    return found
+    return best_so_far
 
 
 def ratios_at(value: Mapping[Exponents, Any], size: Mapping[Exponents, Any], points: Floats) -> Floats:
@@ -151,8 +151,8 @@ class FallingFunction:
                 is less than V at all points where it does not fall.
         """
         sought = self._on_border() if falls else [*self._on_border(), *self._where_it_rises()]
-        found = [(least(inequality), inequality, side) for inequality, side in sought]
-        (value, place), inequality, side = min(found, key=lambda entry: entry[0][0])
+        minima = [(least(inequality), inequality, side) for inequality, side in sought]
+        (value, place), inequality, side = min(minima, key=lambda entry: entry[0][0])
         if not 0 < value < np.inf:
             return None
         shares = (*([1 + SLACK] if side else []), *LEVEL_SHARES)
@@ -261,13 +261,13 @@ class FallingFunction:
 
     def _proofs(self, claims: Iterable[Claim]) -> Record | None:
         """Evidence of all claims by their names; None where that of one is not found."""
-        found = {}
+        evidence_by_name = {}
         for claim in claims:
             evidence = self._evidence(claim)
             if evidence is None:
                 return None
-            found[claim.name] = evidence
-        return found
+            evidence_by_name[claim.name] = evidence
+        return evidence_by_name
 
     def _evidence(self, claim: Claim) -> Record | None:
         """Of a claim, with the functions mu that are known of the one without a rate."""
@@ -303,9 +303,9 @@ class FallingFunction:
                 ratios = ratio(points)
                 samples.append(np.array([ratios, row_norms(points)])[:, np.isfinite(ratios)])
                 searched.append((float(ratios.min(initial=np.inf)), inequality, points, ratio))
-        found = slowest_ratio(*np.hstack(samples))
-        if not found:
-            return found
+        bound = slowest_ratio(*np.hstack(samples))
+        if not bound:
+            return bound
         _, slowest, points, ratio = min(searched, key=lambda entry: entry[0])
         return Fraction(max(least_near(slowest, points, ratio)[0], 0))
 
@@ -348,18 +348,18 @@ def first_shown(
 
     A proof that is not found takes the most time: after the first number the last one is tried, then those between.
     """
-    found, low, high = None, -1, len(numbers)  # what is not proved, and what is
+    proved, low, high = None, -1, len(numbers)  # what is not proved, and what is
     k = 0
     while low + 1 < high:
         proofs = prove(numbers[k])
         if proofs is not None:
-            found, high = (numbers[k], proofs), k
+            proved, high = (numbers[k], proofs), k
         elif k == len(numbers) - 1:
             return None
         else:
             low = k
-        k = (low + high) // 2 if found else len(numbers) - 1
-    return found
+        k = (low + high) // 2 if proved else len(numbers) - 1
+    return proved
 
 
 # ---- a V as hypotheses of a certificate ----------------------------------------------------------

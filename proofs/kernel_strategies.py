@@ -54,17 +54,17 @@ def decide_by_center_manifold(point: CheckedPoint) -> Finding | None:
     shown = show_by_center_manifold(with_known_numbers(point.system))
     if shown is None:
         return None
-    proposal, found = shown
-    if not isinstance(found, dict):
-        reason, function = f"{proposal.words}; {found.reason}", _of_point(point, found)
+    proposal, evidence = shown
+    if not isinstance(evidence, dict):
+        reason, function = f"{proposal.words}; {evidence.reason}", _of_point(point, evidence)
         return Finding(Method.CENTER, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=proposal)
     verdict = Translation.UNSTABLE
     reason = f"{proposal.words}; where V is negative, at points at all distances, it falls"
     if proposal.attracts:
         verdict = Translation.ASYMPTOTICALLY_STABLE
         reason = f"{proposal.words}; V is positive and decreases everywhere but at the equilibrium"
-    facts = entry_facts(point.system, found)
-    return Finding(Method.CENTER, verdict, reason, proofs=proposal, entry=found, facts=facts)
+    facts = entry_facts(point.system, evidence)
+    return Finding(Method.CENTER, verdict, reason, proofs=proposal, entry=evidence, facts=facts)
 
 
 def decide_beside_stable_subspace(point: CheckedPoint) -> Finding | None:
@@ -72,8 +72,8 @@ def decide_beside_stable_subspace(point: CheckedPoint) -> Finding | None:
 
     A focus is left to these: a positive V that grows shows that all solutions leave, which says more.
     """
-    found = decide_by_center_manifold(point)
-    return None if found is None or found.proofs.is_whole else found
+    finding = decide_by_center_manifold(point)
+    return None if finding is None or finding.proofs.is_whole else finding
 
 
 @shared_effort(EFFORT)
@@ -93,11 +93,11 @@ def search_attraction(point: PlanePoint) -> Finding | None:
             shown = attraction_by(point, point.given_on(Domain(radius * SHRINKING)))
         if shown is not None:
             return shown
-    found = find_weak_function(point, may_attract=not point.rays)
-    if found is None:
+    function = find_weak_function(point, may_attract=not point.rays)
+    if function is None:
         return None
-    shown = None if point.rays else attraction_by(point, found)
-    return shown or (conclude_function(point, found) if given is None else None)
+    shown = None if point.rays else attraction_by(point, function)
+    return shown or (conclude_function(point, function) if given is None else None)
 
 
 MOST_AUDITS = 32  # of proposals in one search
@@ -119,10 +119,10 @@ def find_weak_function(point: PlanePoint, *, may_attract: bool = True) -> PlaneF
         result = audited_weakly(system, cells, formula) if len(cells) <= MAX_CELLS else None
         if result is None:
             continue
-        found = PlaneFunction(result, Domain(radius), formula, system.states)
-        if not may_attract or point.attraction(found) is not None:
-            return found
-        first = first or found
+        function = PlaneFunction(result, Domain(radius), formula, system.states)
+        if not may_attract or point.attraction(function) is not None:
+            return function
+        first = first or function
     return first
 
 
@@ -133,9 +133,9 @@ def decide_by_squares(point: CheckedPoint) -> Finding | None:
 
     space = SpacePoint(point.system)
     stated = space.examine(point.system.check.lyapunov, point.system.check.radius, Effort.STRICT)
-    for found in (stated, find_lyapunov(space.system)):
-        if found is not None and found.decrease is Decrease.STRICT:
-            return falling_finding(_of_point(point, found))
+    for function in (stated, find_lyapunov(space.system)):
+        if function is not None and function.decrease is Decrease.STRICT:
+            return falling_finding(_of_point(point, function))
     return None
 
 
@@ -150,8 +150,8 @@ def decide_by_stated_quotient(point: CheckedPoint) -> Finding | None:
 
 
 def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
-    found = find_quotient(with_known_numbers(point.system), stated=stated)
-    return _of_entry(point, found and found[0])
+    entry = find_quotient(with_known_numbers(point.system), stated=stated)
+    return _of_entry(point, entry and entry[0])
 
 
 def decide_by_kept_energy(point: CheckedPoint) -> Finding | None:
@@ -162,14 +162,14 @@ def decide_by_kept_energy(point: CheckedPoint) -> Finding | None:
     from nonsmooth.proofs.many_states.decision import SpacePoint
 
     space = SpacePoint(point.system)
-    found = find_by_next_terms(space.system)
-    if found is not None and found[0]["theorem"] != "instability":
-        hypotheses = found[0]["hypotheses"]
+    entry = find_by_next_terms(space.system)
+    if entry is not None and entry[0]["theorem"] != "instability":
+        hypotheses = entry[0]["hypotheses"]
         formula, within = parse_piecewise(hypotheses["function"], point.system.states), hypotheses["cells"]["within"]
         examined = space.examine(formula, point.system.field(Fraction(within)), Effort.STRICT)
         if examined is not None and examined.decrease is Decrease.STRICT:
             return falling_finding(_of_point(point, examined))
-    return _of_entry(point, found and found[0])
+    return _of_entry(point, entry and entry[0])
 
 
 def decide_uncovered_by_roots(point: CheckedPoint) -> Finding | None:
@@ -181,8 +181,8 @@ def decide_by_roots(point: CheckedPoint) -> Finding | None:
     """A V about roots of the states of which all have one weight, in the time of the states."""
     from nonsmooth.proofs.kernel.rooted_functions import find_function_of_states
 
-    found = find_function_of_states(with_known_numbers(point.system))
-    return _of_entry(point, found and found[0])
+    entry = find_function_of_states(with_known_numbers(point.system))
+    return _of_entry(point, entry and entry[0])
 
 
 def _of_entry(point: CheckedPoint, entry: Record | None, *, directed: bool = False) -> Finding | None:
@@ -207,8 +207,8 @@ def decide_by_energy(point: SpacePoint) -> Finding | None:
     from nonsmooth.proofs.many_states.decision import conclude_function
     from nonsmooth.proofs.many_states.weak_functions import find_weak_lyapunov
 
-    found = find_weak_lyapunov(point.system)
-    return None if found is None else conclude_function(point, found)
+    function = find_weak_lyapunov(point.system)
+    return None if function is None else conclude_function(point, function)
 
 
 def decide_rest_beside(point: SpacePoint) -> Finding | None:
@@ -252,8 +252,8 @@ def decide_by_first_integrals(point: SpacePoint) -> Finding | None:
     from nonsmooth.proofs.many_states.weak_functions import find_kept_form, find_kept_function
 
     system = with_known_numbers(point.system)
-    found = find_kept_function(system) or find_kept_form(system)
-    return None if found is None else conclude_function(point, found)
+    function = find_kept_function(system) or find_kept_form(system)
+    return None if function is None else conclude_function(point, function)
 
 
 def decide_by_growth(point: CheckedPoint) -> Finding | None:
@@ -311,8 +311,8 @@ def decide_enclosed_centre(point: CheckedPoint) -> Finding | None:
 
     Around closed orbits no V falls, and none of polynomials is kept by all fields between which sines lie.
     """
-    found = decide_by_symmetry(point) if point.system.rewriting.waves else None
-    return None if found is None else decide_by_circles(point) or found
+    centre = decide_by_symmetry(point) if point.system.rewriting.waves else None
+    return None if centre is None else decide_by_circles(point) or centre
 
 
 def decide_by_integral(point: CheckedPoint) -> Finding:
@@ -337,18 +337,18 @@ def decide_by_turned_energy(point: CheckedPoint) -> Finding | None:
     """A V that does not rise and is negative near the point, with further functions."""
     from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
 
-    found = find_weak_growth(with_known_numbers(point.system))
-    return _of_entry(point, found and found[0], directed=True)
+    entry = find_weak_growth(with_known_numbers(point.system))
+    return _of_entry(point, entry and entry[0], directed=True)
 
 
 def decide_by_circles(point: CheckedPoint) -> Finding | None:
     """An energy with sines and cosines that does not rise, which enclosures of these cannot show."""
     from nonsmooth.proofs.many_states.weak_functions import find_energy_on_circles
 
-    found = find_energy_on_circles(point.system)
-    if found is None:
+    energy = find_energy_on_circles(point.system)
+    if energy is None:
         return None
-    entry, function, domain, is_kept = found
+    entry, function, domain, is_kept = energy
     reason = f"V = {function} is positive and does not rise"
     refutes = KEPT if is_kept else ""
     reason += f"; {NOT_ATTRACTING}{refutes}" if refutes else ""
@@ -485,5 +485,5 @@ def _examined(point: Any, formula: PiecewiseExpression) -> ExaminedFunction | No
     if system.is_planar:
         cells = lyapunov_cells(point.cells, formula, system.states, system.origin)
         return PlaneFunction(examine(cells), Domain(None), formula, system.states)
-    found: ExaminedLyapunov | None = point.examine(formula, system.check.radius, Effort.STRICT)
-    return found
+    examined: ExaminedLyapunov | None = point.examine(formula, system.check.radius, Effort.STRICT)
+    return examined

@@ -95,22 +95,22 @@ def find_larger_region(system: SwitchedSystem, degree: int = 4) -> LargerRegion 
     certified: list[LargerRegion] = []
     for shrunk in _promising(conditions, outline)[:CANDIDATES]:
         formula = _proposed(system, conditions, basis, shrunk)
-        found = None if formula is None else _certified(system, formula)
-        certified += [] if found is None else [found]
-    return max(certified, key=lambda found: _seen_area(system, found, outline), default=None)
+        larger = None if formula is None else _certified(system, formula)
+        certified += [] if larger is None else [larger]
+    return max(certified, key=lambda larger: _seen_area(system, larger, outline), default=None)
 
 
 def _certified(system: SwitchedSystem, formula: PiecewiseExpression) -> LargerRegion | None:
-    found = claims_about(system, formula, system.check.radius)
-    region = None if found is None else found.largest_sublevel(falls=False)
+    falling = claims_about(system, formula, system.check.radius)
+    region = None if falling is None else falling.largest_sublevel(falls=False)
     return None if region is None else LargerRegion(formula, region)
 
 
-def _seen_area(system: SwitchedSystem, found: LargerRegion, outline: _Outline) -> float:
+def _seen_area(system: SwitchedSystem, larger: LargerRegion, outline: _Outline) -> float:
     """How much of the square is below the level, as points on rays show it."""
-    potential = found.formula.polynomial(system.named(), no_sign)
+    potential = larger.formula.polynomial(system.named(), no_sign)
     places = _Outline(outline.units, outline.border, outline.border).inside
-    below = float_values(potential.terms, places) < float(found.region.level)
+    below = float_values(potential.terms, places) < float(larger.region.level)
     return float((below * squared_norms(places) ** 0.5).sum())
 
 
@@ -181,15 +181,15 @@ def _comes_back(cells: SignCells, starts: Floats) -> Mask:
 
 def _field(cells: SignCells, places: Floats) -> Floats:
     """The field of a cell that holds each place; zero beyond the square."""
-    found = np.zeros_like(places)
+    velocities = np.zeros_like(places)
     within = max_norms(places) <= float(cells.radius)
     for cell in cells.cells:
         held = within.copy()
         for sign, surface in zip(cell.signs, cells.surfaces, strict=True):
             held &= sign * float_values(surface.terms, places) >= 0
         for k, part in enumerate(cell.velocities[0]):
-            found[held, k] = float_values(part.terms, places[held])
-    return found
+            velocities[held, k] = float_values(part.terms, places[held])
+    return velocities
 
 
 def _promising(conditions: Functions, outline: _Outline) -> list[_Outline]:
@@ -197,9 +197,9 @@ def _promising(conditions: Functions, outline: _Outline) -> list[_Outline]:
     solved = []
     for share in SHARES:
         shrunk = outline.shrunk(share)
-        found = _solved(conditions, shrunk.inside, shrunk)
-        if found is not None:
-            solved.append((share**2 / found[1], shrunk))
+        solution = _solved(conditions, shrunk.inside, shrunk)
+        if solution is not None:
+            solved.append((share**2 / solution[1], shrunk))
     return [shrunk for _, shrunk in sorted(solved, key=lambda entry: -entry[0])]
 
 
@@ -214,10 +214,10 @@ def _proposed(
             return None
         rounded = [Fraction(round(float(c) * DENOMINATOR), DENOMINATOR) for c in solved[0]]
         formula = parse_piecewise(formula_text(basis, rounded), system.states)
-        found = claims_about(system, formula, system.check.radius)
-        if found is None:
+        falling = claims_about(system, formula, system.check.radius)
+        if falling is None:
             return None
-        value, place = found.first_rise()
+        value, place = falling.first_rise()
         if value >= ENOUGH:
             return formula
         inside = np.vstack([inside, place])
@@ -252,5 +252,5 @@ def _solved(conditions: Functions, inside: Floats, outline: _Outline) -> tuple[F
     system, right = np.vstack(rows), np.concatenate(bounds)
     if not (are_finite(system) and are_finite(right)):
         return None
-    found = solve_program(costs, A_ub=system, b_ub=right, bounds=limits)
-    return (np.asarray(found.x[:-1]), float(found.x[-1])) if found.status == 0 else None
+    solution = solve_program(costs, A_ub=system, b_ub=right, bounds=limits)
+    return (np.asarray(solution.x[:-1]), float(solution.x[-1])) if solution.status == 0 else None

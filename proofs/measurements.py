@@ -71,18 +71,18 @@ def _checked(scene: Scene, prune: bool, clock: Clock | None = None) -> Check:
 
 def verdicts(result: Check) -> tuple[str, ...]:
     """The theorem's verdict and those of its clauses."""
-    return (result.verdict.value, *(found.verdict.value for _, found in result.clauses))
+    return (result.verdict.value, *(result.verdict.value for _, result in result.clauses))
 
 
-def _judge_pruning(whole: Callable[[], Check], found: Check) -> Assessment:
-    work = {"row triples": possible_triples(len(found.scene.wheels))}
-    if isinstance(found, CellCheck):
-        partition = found.partition
+def _judge_pruning(whole: Callable[[], Check], check: Check) -> Assessment:
+    work = {"row triples": possible_triples(len(check.scene.wheels))}
+    if isinstance(check, CellCheck):
+        partition = check.partition
         work |= {"wheels": partition.wheels_considered, "contact states": len(partition.states)}
         work["cells"] = len(partition.cells)
-    work["left out"] = len(found.skipped)
-    differing = sum(mine != theirs for mine, theirs in zip(verdicts(found), verdicts(whole()), strict=True))
-    return Assessment(float(differing), work=work, note="; ".join(step.what for step in found.skipped))
+    work["left out"] = len(check.skipped)
+    differing = sum(mine != theirs for mine, theirs in zip(verdicts(check), verdicts(whole()), strict=True))
+    return Assessment(float(differing), work=work, note="; ".join(step.what for step in check.skipped))
 
 
 PRUNING = Study(
@@ -143,19 +143,19 @@ def array_verdict_rows(scene: Scene) -> Rows:
     plain = {side: ArrayVerdict(with_friction_ratio(nearest, Fraction(2) ** side)) for side in (-1, 0, 1)}
     for parameter, ratio in RATIOS.items():
         side = (ratio > 1) - (ratio < 1)
-        found = ArrayVerdict(with_friction_ratio(nearest, ratio))
-        yield found.row("friction ratio, rule nearest", parameter, plain[side], f"mu_S/mu_R = {2.0**side:g}")
+        changed = ArrayVerdict(with_friction_ratio(nearest, ratio))
+        yield changed.row("friction ratio, rule nearest", parameter, plain[side], f"mu_S/mu_R = {2.0**side:g}")
     unit = ArrayVerdict(scene)
     for power in POWERS:
         factor = Fraction(10) ** power
-        found = ArrayVerdict(scaled(scene, factor))
-        yield found.row("geometry scale", f"1e{power}", unit, "the scene's own size", 1 / factor)
+        changed = ArrayVerdict(scaled(scene, factor))
+        yield changed.row("geometry scale", f"1e{power}", unit, "the scene's own size", 1 / factor)
     for power in OFFSETS:
-        found = ArrayVerdict(moved(scene, Fraction(10) ** power, -(Fraction(10) ** power) / 3))
-        yield found.row("far from the origin", f"1e{power}", unit, "the scene in its place")
+        changed = ArrayVerdict(moved(scene, Fraction(10) ** power, -(Fraction(10) ** power) / 3))
+        yield changed.row("far from the origin", f"1e{power}", unit, "the scene in its place")
     for power in DETERMINANTS:
-        found = ArrayVerdict(nearly_in_line(scene, power))
-        yield _evident("wheels nearly in line", f"1e-{power}", found.text, found.genuine)
+        changed = ArrayVerdict(nearly_in_line(scene, power))
+        yield _evident("wheels nearly in line", f"1e-{power}", changed.text, changed.genuine)
 
 
 def _evident(case: str, parameter: str, verdict: str, genuine: bool) -> ResultRow:
@@ -187,17 +187,17 @@ def system_verdict_rows(scene: SwitchedSystem) -> Rows:
     stated, criterion = decide_system(scene), "the verdict of the system in its own units, with evidence that verifies"
     for case, quantity in (("state scale", "length"), ("time scale", "speed")):
         for power in POWERS:
-            found = decide_system(scaled_system(scene, **{quantity: Fraction(10) ** power}))
-            same = (found.verdict, found.method, found.equilibrium) == (
+            changed = decide_system(scaled_system(scene, **{quantity: Fraction(10) ** power}))
+            same = (changed.verdict, changed.method, changed.equilibrium) == (
                 stated.verdict,
                 stated.method,
                 stated.equilibrium,
             )
-            ok, error = same and found.check(), 0.0 if same else None
-            yield ResultRow(case, f"1e{power}", str(found.verdict), error, ok, criterion)
+            ok, error = same and changed.check(), 0.0 if same else None
+            yield ResultRow(case, f"1e{power}", str(changed.verdict), error, ok, criterion)
     for parameter, ratio in RATIOS.items():
-        found = decide_system(with_rate_ratio(scene, ratio))
-        yield _evident("ratio of rates", parameter, str(found.verdict), found.check())
+        changed = decide_system(with_rate_ratio(scene, ratio))
+        yield _evident("ratio of rates", parameter, str(changed.verdict), changed.check())
 
 
 SYSTEM_VERDICTS = Case("verdicts", system=system_verdict_rows)

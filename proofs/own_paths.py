@@ -73,12 +73,12 @@ def starts_on_borders(partition: Partition) -> list[XY]:
 
     A solution that leaves may do so along such a border only.
     """
-    radius, found = CLOSER * partition.scene.check.half_width, []
+    radius, starts = CLOSER * partition.scene.check.half_width, []
     for cell in partition.cells:
         corners = [(float(x), float(y)) for x, y in cell.polygon.vertices]
         if (0.0, 0.0) in corners:
             k = corners.index((0.0, 0.0))
             for x, y in (corners[k - 1], corners[(k + 1) % len(corners)]):
                 scale = 2.0 ** math.floor(math.log2(radius / math.hypot(x, y)))  # a power of two rounds nothing
-                found.append((x * scale, y * scale))
-    return list(dict.fromkeys(found))
+                starts.append((x * scale, y * scale))
+    return list(dict.fromkeys(starts))

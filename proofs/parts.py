@@ -105,16 +105,16 @@ def drivers_of(system: SwitchedSystem, *, jumping: bool = False) -> dict[str, se
     Unless velocities may be ``jumping`` with what drives them, it depends on them in turn: they are in one block.
     """
     states = system.stated_states
-    found = {name: {name} for name in states}
+    drivers = {name: {name} for name in states}
     for name, tree in _trees(system):
-        found[name] |= names_in(tree) & set(states)
+        drivers[name] |= names_in(tree) & set(states)
         for driver in set() if jumping else _under_jumps(tree) & set(states):
-            found[driver].add(name)
+            drivers[driver].add(name)
     for middle in states:
         for name in states:
-            if middle in found[name]:
-                found[name] |= found[middle]
-    return found
+            if middle in drivers[name]:
+                drivers[name] |= drivers[middle]
+    return drivers
 
 
 def _trees(system: SwitchedSystem) -> Iterator[tuple[str, ast.expr]]:

@@ -131,10 +131,10 @@ def rest_places(system: SwitchedSystem) -> EnclosedEquilibria:
         search.look_where_surfaces_meet()
     search.look_in_clusters()
     alone = (place for place in search.found if not search.is_on_polytope(place))
-    found = sorted(alone, key=lambda place: sum(float(c) ** 2 for c in search.displaced(place.place)))
+    places = sorted(alone, key=lambda place: sum(float(c) ** 2 for c in search.displaced(place.place)))
     radius = float(system.check.radius)
     left = [box for box in search.left if not (_is_small(radius, box) and search.is_at_end(box, ENDS))]
-    return EnclosedEquilibria(tuple(found), tuple(joined(search.polytopes)), tuple(_joined_boxes(left, radius)))
+    return EnclosedEquilibria(tuple(places), tuple(joined(search.polytopes)), tuple(_joined_boxes(left, radius)))
 
 
 def _require_few(system: SwitchedSystem) -> None:
@@ -303,8 +303,8 @@ class _Search:
         if len(chosen) == 1 and self._rests_along(chosen[0], around):
             return True
         fields, guards = [field.stated for field in around], [self.surfaces[k] * side for k, side in signs.items()]
-        found = resting_polytopes(fields, planes, guards, self.radius)
-        for polytope in found or ():
+        polytopes = resting_polytopes(fields, planes, guards, self.radius)
+        for polytope in polytopes or ():
             if polytope.dimension:
                 self.polytopes.append(polytope)
                 continue
@@ -314,7 +314,7 @@ class _Search:
                 self._add(self._place(x, place, RestKind.CORNER, on))
             else:
                 self._note(chosen, dict(signs), around, [*x, *_share(around, place)])
-        return found is not None
+        return polytopes is not None
 
     def _rests_along(self, k: int, around: Sequence[FieldInBalls]) -> bool:
         """Whether both fields are parallel all along a line in the plane, and stretches say where they are opposed."""
@@ -400,8 +400,8 @@ class _Search:
         """An equilibrium of one field, or of sliding motion with a positive share of both."""
         if not chosen:
             matrix = around[0].at(x)[1]
-            found = self._place(x, exact, RestKind.CELL, ())
-            return replace(found, stability=_stability(matrix), shape=_shape(matrix))
+            place = self._place(x, exact, RestKind.CELL, ())
+            return replace(place, stability=_stability(matrix), shape=_shape(matrix))
         (f, f_slopes), (g, g_slopes) = (field.at(x) for field in around)
         normal = list(map(arb, self._with_slopes[chosen[0]](x)[1:]))
         out_of_first = in_direction(normal, f)  # the first field acts where the surface is positive
@@ -419,8 +419,8 @@ class _Search:
         ]
         matrix = _on_surface(sliding, normal)
         stability = _stability(matrix) if kind is RestKind.SLIDING else Translation.UNSTABLE
-        found = self._place(x, exact, kind, chosen)
-        return replace(found, stability=stability, shape=_sliding_shape(matrix, kind))
+        place = self._place(x, exact, kind, chosen)
+        return replace(place, stability=stability, shape=_sliding_shape(matrix, kind))
 
     def _exact(
         self, chosen: tuple[int, ...], around: Sequence[FieldInBalls], x: Sequence[arb]
@@ -459,8 +459,8 @@ class _Search:
         if moved is None:
             here = [tuple(field.at(x)[0]) for field in around]
             return _balls_hold_zero(here) if len(place.surfaces) == 2 else None  # type: ignore[arg-type]
-        found = checked_point(moved).equilibrium
-        return None if found is Equilibrium.UNDECIDED else found is Equilibrium.HOLDS
+        equilibrium = checked_point(moved).equilibrium
+        return None if equilibrium is Equilibrium.UNDECIDED else equilibrium is Equilibrium.HOLDS
 
 
 def at_place(system: SwitchedSystem, place: EnclosedEquilibrium) -> SwitchedSystem | None:

@@ -75,9 +75,9 @@ class RestPolytope:
 
 
 def _rational(place: Sequence[Number]) -> Vector | None:
-    found = [coordinate.as_rational() for coordinate in place]
-    known = [number for number in found if number is not None]
-    return known if len(known) == len(found) else None
+    numbers = [coordinate.as_rational() for coordinate in place]
+    known = [number for number in numbers if number is not None]
+    return known if len(known) == len(numbers) else None
 
 
 # ---- segments on borders in the plane ------------------------------------------------------------
@@ -100,18 +100,18 @@ def joined(parts: Iterable[RestPolytope]) -> list[RestPolytope]:
     """Polytopes, segments of one kind that go on where others end as one, and none that is a part of another one."""
     every = list(dict.fromkeys(parts))
     waiting = [part for part in every if part.dimension == 1]
-    found = [part for part in every if part.dimension > 1]
+    ended = [part for part in every if part.dimension > 1]
     while waiting:
         part = waiting.pop()
         other = next((one for one in waiting if one.kind is part.kind and _meet(part, one)), None)
         if other is None:
-            found.append(part)
+            ended.append(part)
         else:
             waiting.remove(other)
             ends = _ascending(set(part.corners) ^ set(other.corners))
             waiting.append(replace(part, corners=ends, is_exact=part.is_exact and other.is_exact))
     kept: list[RestPolytope] = []
-    for part in sorted(found, key=lambda part: -part.dimension):
+    for part in sorted(ended, key=lambda part: -part.dimension):
         if not any(all(map(other.holds, part.corners)) for other in kept):
             kept.append(part)
     return kept
@@ -150,8 +150,8 @@ def resting_polytopes(
         return []
     if on is None or beside is None or half is None or len(known) < len(beyond) or not are_independent(on):
         return None
-    found = _OnPlanes(on, beside, known, half)
-    return found.polytopes(fields[0].rates[0].field) if found.differ_by_constants else None
+    rest = _OnPlanes(on, beside, known, half)
+    return rest.polytopes(fields[0].rates[0].field) if rest.differ_by_constants else None
 
 
 def never_meet(planes: Sequence[Polynomial]) -> bool:

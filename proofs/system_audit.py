@@ -113,10 +113,10 @@ def _rate_at(system: SwitchedSystem, lyapunov: PiecewiseExpression, place: Seque
 
     def sign_of(expression: Polynomial) -> int:  # what switches holds no sines
         terms = {exponents[: len(place)]: c for exponents, c in expression.terms.items()}
-        found = sign(Polynomial(system.field, system.states, terms)(place))
-        if not found:
+        value = sign(Polynomial(system.field, system.states, terms)(place))
+        if not value:
             raise _OnSurfaceError
-        return found
+        return value
 
     try:
         rates = [part.polynomial(stated, sign_of) for part in system.rewriting.named_rhs]
@@ -214,12 +214,12 @@ def audit(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult:
     """
     if scene.kind is SceneKind.SYSTEM and not scene.is_planar:
         return _audit_in_space(scene, lyapunov)
-    found = audited_cells(scene, lyapunov)
-    if found is None:
+    audited = audited_cells(scene, lyapunov)
+    if audited is None:
         rule = scene.contact.rule if scene.kind is SceneKind.ARRAY else None
         reason = f'rule "{rule}" moves the array by a field without cells, which is not audited'
         return AuditResult(scene, lyapunov, AuditVerdict.UNDECIDED, None, reason, None, None)
-    formula, domain, cells = found
+    formula, domain, cells = audited
     function: ExaminedFunction = PlaneFunction(examine(cells), domain, formula, _states(scene))
     if scene.kind is SceneKind.SYSTEM and function.decrease is Decrease.UNDECIDED:
         function = _by_squares(scene, formula) or function
@@ -270,10 +270,10 @@ def audited_cells(
 def _by_squares(system: SwitchedSystem, formula: PiecewiseExpression) -> ExaminedFunction | None:
     """V shown by sums of squares, which are few at high degrees, where subdivision gives up; None where it is not."""
     try:
-        found = many.examine(with_known_numbers(system), formula, system.check.radius, effort=Effort.ALONE)
+        examined = many.examine(with_known_numbers(system), formula, system.check.radius, effort=Effort.ALONE)
     except (BeyondReachError, ExpressionError):
         return None
-    return found if found.decrease in many.PROVES else None
+    return examined if examined.decrease in many.PROVES else None
 
 
 def _judged_in_the_plane(
@@ -298,10 +298,10 @@ def _judged_in_the_plane(
 def _stated_refutation(system: SwitchedSystem, function: PlaneFunction) -> Refutation | None:
     """What refutes V for the stated field, where sines and cosines of states are enclosed; None where nothing does."""
     result, formula = function.result, function.formula
-    for found in refutations(result.cells, result.definite, result.strata):
-        if not found.is_of_rates:
-            return found
-        place = None if formula is None else rising_place(system, formula, found.point)
+    for refutation in refutations(result.cells, result.definite, result.strata):
+        if not refutation.is_of_rates:
+            return refutation
+        place = None if formula is None else rising_place(system, formula, refutation.point)
         if place is not None:
             return Refutation((place[0], place[1]), None, RISES)
     return None
@@ -351,13 +351,13 @@ def _judged_in_space(scene: SwitchedSystem, function: ExaminedLyapunov) -> Judge
     return verdict, proves, reason, witness
 
 
-def _stated_failure(system: SwitchedSystem, formula: PiecewiseExpression, found: Refutation) -> Refutation | None:
+def _stated_failure(system: SwitchedSystem, formula: PiecewiseExpression, refutation: Refutation) -> Refutation | None:
     """What refutes V for the stated field, where right-hand sides only enclose it; None where nothing does."""
-    if found.meaning != many.RISES:
-        return found
+    if refutation.meaning != many.RISES:
+        return refutation
     if Enclosed.NUMBERS in system.rewriting.encloses:
         return None
-    place = rising_place(system, formula, found.point)
+    place = rising_place(system, formula, refutation.point)
     rational = () if place is None else tuple(c.as_rational() for c in place)
     known = tuple(as_fraction(c) for c in rational if c is not None)
     return Refutation(known, None, many.RISES) if known and len(known) == len(rational) else None

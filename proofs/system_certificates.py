@@ -108,18 +108,18 @@ def certificate_of(result: DecidedSystem) -> Record:
     """
     if result.verdict is Translation.UNDECIDED:
         raise NoCertificateError("a certificate needs a verdict, received undecided")
-    found, reasons = [], []
+    certificates, reasons = [], []
     for scene in subjects_of(result.scene):
         try:
-            found.append(_certificate_about(replace(result, scene=scene)))
+            certificates.append(_certificate_about(replace(result, scene=scene)))
         except NoCertificateError as error:
             reasons.append(error)
             continue
-        if LEFT_OUT not in found[-1]["notes"]:
-            return found[-1]
-    if not found:
+        if LEFT_OUT not in certificates[-1]["notes"]:
+            return certificates[-1]
+    if not certificates:
         raise reasons[0]
-    return found[0]
+    return certificates[0]
 
 
 def _certificate_about(result: DecidedSystem) -> Record:
@@ -216,10 +216,10 @@ def _second(system: System, hypotheses: Record, search: Search) -> Record:
     Raises:
         NotShownError: where none are found.
     """
-    found = find_second(system, hypotheses["cells"], hypotheses["function"], search)
-    if found is None:
+    second = find_second(system, hypotheses["cells"], hypotheses["function"], search)
+    if second is None:
         raise NotShownError("no functions were found that rise where V is kept")
-    return found
+    return second
 
 
 @dataclass
@@ -258,19 +258,19 @@ class Draft:
             self.evidence.append(entry)
             self.statements += [{"attracts": "everywhere"}]
 
-    def add_homogeneous(self, system: System, scene: SwitchedSystem, found: Homogeneity) -> None:
+    def add_homogeneous(self, system: System, scene: SwitchedSystem, homogeneity: Homogeneity) -> None:
         """That every start reaches the point, or arrives, as the field is homogeneous, where that is shown."""
         with suppress(NotShownError, BeyondReachError):
-            self.add_entry(system, "homogeneous", found.hypotheses(scene, self.evidence[0]))
+            self.add_entry(system, "homogeneous", homogeneity.hypotheses(scene, self.evidence[0]))
 
-    def add_arrival(self, system: System, found: Arrival, states: Sequence[str]) -> None:
+    def add_arrival(self, system: System, arrival: Arrival, states: Sequence[str]) -> None:
         """After which time solutions are at the point, where that is shown."""
-        if any(entry["hypotheses"] == found.entry["hypotheses"] for entry in self.evidence):
+        if any(entry["hypotheses"] == arrival.entry["hypotheses"] for entry in self.evidence):
             return
         try:
-            self.add_entry(system, "lyapunov", found.entry["hypotheses"], found.entry["proofs"])
+            self.add_entry(system, "lyapunov", arrival.entry["hypotheses"], arrival.entry["proofs"])
         except NotShownError as error:
-            self.left_out.append(f"{arrival_words(found, states)}: {UNSHOWN}: {error}")
+            self.left_out.append(f"{arrival_words(arrival, states)}: {UNSHOWN}: {error}")
 
     def add_entry(
         self, system: System, theorem: str, hypotheses: Record, known: Mapping[str, Any] | None = None
@@ -534,16 +534,16 @@ def find_region_of_simplices(result: DecidedSystem, asked: str, announce: Announ
         local = _shown_region(system, stated, search)
         if scene.is_planar:
             limit = radius if scene.rewriting.denominators else None
-            found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
+            basin = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
         elif scene.rewriting.denominators:
-            found = None
+            basin = None
         else:
-            found = find_basin_in_space(system, local, surfaces, asked, REACH * radius, announce)
-        if found is not None:
-            search.entry(system, "basin", found.hypotheses)
+            basin = find_basin_in_space(system, local, surfaces, asked, REACH * radius, announce)
+        if basin is not None:
+            search.entry(system, "basin", basin.hypotheses)
     except (NoCertificateError, NotShownError, BeyondReachError, RejectedError):  # such as of sines of products
         return None
-    return found
+    return basin
 
 
 def find_region_of_another_function(result: DecidedSystem, asked: str, announce: Announce) -> ReshapedRegion | None:
@@ -563,14 +563,14 @@ def find_region_of_another_function(result: DecidedSystem, asked: str, announce:
     scene = result.scene
     limit = Fraction(exact_text(scene.check.radius)) if scene.rewriting.denominators else None
     try:
-        found = find_reshaped_region(scene, function.formula, asked, announce, limit=limit)
-        if found is not None:
+        reshaped = find_reshaped_region(scene, function.formula, asked, announce, limit=limit)
+        if reshaped is not None:
             subject, draft = about(scene), Draft([], [], [])
-            draft.add_entry(read_subject(subject), "lyapunov", found.hypotheses, found.region.proofs)
+            draft.add_entry(read_subject(subject), "lyapunov", reshaped.hypotheses, reshaped.region.proofs)
             _checked(scene, subject, draft)
     except (NoCertificateError, NotShownError, BeyondReachError):
         return None
-    return found
+    return reshaped
 
 
 # ---- what a certificate does not hold ----------------------------------------------------------
@@ -599,12 +599,12 @@ def _attracts_everywhere(draft: Draft) -> bool:
 
 def notes(system: SwitchedSystem, *, in_time_of_states: bool = False) -> Record:
     """The name of the scene, and the stated formulas where the right-hand sides are others; nothing that is proved."""
-    found: Record = {"scene": system.name}
+    record: Record = {"scene": system.name}
     if system.rewriting.written:
-        found["stated"] = [[one_line(formula) for formula in member] for member in system.rewriting.written]
+        record["stated"] = [[one_line(formula) for formula in member] for member in system.rewriting.written]
         rewritten = rewriting_words(system, in_time_of_states=in_time_of_states)
-        found |= {"right-hand sides": rewritten} if rewritten else {}
-    return found
+        record |= {"right-hand sides": rewritten} if rewritten else {}
+    return record
 
 
 # ---- files -------------------------------------------------------------------------------------

@@ -230,12 +230,12 @@ def _ask_strategies(point: CheckedPoint) -> None:
     for strategy in STRATEGIES:
         tell(strategy.name)
         try:
-            found = strategy.decide(point)
+            finding = strategy.decide(point)
         except (BeyondReachError, NotShownError):
             continue
-        if found is not None:
-            point.known = Findings((*point.known.findings, found))
-            if found.is_final:
+        if finding is not None:
+            point.known = Findings((*point.known.findings, finding))
+            if finding.is_final:
                 break
 
 
@@ -281,9 +281,9 @@ def decide_by_cascade(point: CheckedPoint) -> Finding | None:
     states of earlier blocks, if the checker accepts how they do.
     """
     together = _blocks(point, jumping=False)
-    found = _decided_by_blocks(point, together)
-    if found is not None:
-        return found
+    finding = _decided_by_blocks(point, together)
+    if finding is not None:
+        return finding
     apart = _blocks(point, jumping=True)
     return _decided_by_blocks(point, apart) if len(apart) > len(together) else None
 
@@ -310,38 +310,38 @@ def _decided_by_blocks(point: CheckedPoint, blocks: Sequence[CascadeBlock]) -> F
 
     if len(blocks) < 2:
         return None
-    found: list[StabilityResult] = []
+    results: list[StabilityResult] = []
     is_open = False
     for block in blocks:
         if block.is_driven and is_open:
             continue  # what is driven says nothing of the whole any more
-        found.append(_decided_part(block.system))
-        if found[-1].verdict is Translation.UNSTABLE and not block.is_driven:
-            return Finding(Method.STATES, Translation.UNSTABLE, _said(block, found[-1]), proofs=Parts((found[-1],)))
-        if found[-1].verdict is Translation.UNSTABLE and len(point.system.stated_lists) == 1:
-            said, parts = _said(block, found[-1]), _parts(blocks, found)
+        results.append(_decided_part(block.system))
+        if results[-1].verdict is Translation.UNSTABLE and not block.is_driven:
+            return Finding(Method.STATES, Translation.UNSTABLE, _said(block, results[-1]), proofs=Parts((results[-1],)))
+        if results[-1].verdict is Translation.UNSTABLE and len(point.system.stated_lists) == 1:
+            said, parts = _said(block, results[-1]), _parts(blocks, results)
             return _if_accepted(point, Finding(Method.CASCADE, Translation.UNSTABLE, said, proofs=parts))
-        is_open |= found[-1].exit_status != 0
+        is_open |= results[-1].exit_status != 0
     if is_open:
         return None
-    rests = [result for result in found if result.verdict is Translation.STABLE]
+    rests = [result for result in results if result.verdict is Translation.STABLE]
     method = Method.CASCADE if any(block.is_driven for block in blocks) else Method.STATES
-    reason = "; ".join(map(_said, blocks, found))
+    reason = "; ".join(map(_said, blocks, results))
     verdict = Translation.STABLE if rests else Translation.ASYMPTOTICALLY_STABLE
     refutes = "a state by itself rests near" if any(result.deciding.refutes for result in rests) else ""
-    whole = Finding(method, verdict, reason, proofs=_parts(blocks, found), refutes=refutes)
+    whole = Finding(method, verdict, reason, proofs=_parts(blocks, results), refutes=refutes)
     return _if_accepted(point, whole)
 
 
-def _parts(blocks: Sequence[CascadeBlock], found: Sequence[StabilityResult]) -> Parts:
+def _parts(blocks: Sequence[CascadeBlock], results: Sequence[StabilityResult]) -> Parts:
     """The first blocks with their results, and how they depend on each other."""
     from nonsmooth.proofs.parts import Parts
 
-    leaves = found[-1].verdict is Translation.UNSTABLE
-    pairs = list(enumerate(zip(blocks, found, strict=False)))
+    leaves = results[-1].verdict is Translation.UNSTABLE
+    pairs = list(enumerate(zip(blocks, results, strict=False)))
     rest = frozenset(k for k, (block, part) in pairs if block.is_driven and part.verdict is Translation.STABLE)
     jumping = frozenset(k for k, (block, _) in pairs if block.jumps)
-    return Parts(tuple(found), carried=frozenset() if leaves else rest, jumping=jumping)
+    return Parts(tuple(results), carried=frozenset() if leaves else rest, jumping=jumping)
 
 
 def _if_accepted(point: CheckedPoint, finding: Finding) -> Finding | None:
@@ -397,9 +397,9 @@ def decide_by_exact_sides(point: CheckedPoint) -> Finding | None:
     with suppress(SceneError):
         exact = without_waves(system)
         if exact is not None:
-            found = _decided(exact)
-            if found.verdict is Translation.UNSTABLE:
-                reason = f"the right-hand sides without sines of states suffice: {found.reason}"
+            decided = _decided(exact)
+            if decided.verdict is Translation.UNSTABLE:
+                reason = f"the right-hand sides without sines of states suffice: {decided.reason}"
                 return Finding(Method.CHOICE, Translation.UNSTABLE, reason)
     return None
 
@@ -422,16 +422,16 @@ def decide_by_exact_sides(point: CheckedPoint) -> Finding | None:
 MOST_DEGREE = 6  # of V' whose sign is asked for below a level of a searched V: beyond that it takes too long
 
 
-def reach_of(point: CheckedPoint, found: Finding) -> Reach:
+def reach_of(point: CheckedPoint, finding: Finding) -> Reach:
     """How far and how fast a finding carries: by the V that decides, and as far as the field is homogeneous."""
-    known = point.reach(found)
-    if found.verdict is Translation.STABLE:
-        return replace(known, approach=_approach(point.system, found.function))
-    if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
+    known = point.reach(finding)
+    if finding.verdict is Translation.STABLE:
+        return replace(known, approach=_approach(point.system, finding.function))
+    if finding.verdict is not Translation.ASYMPTOTICALLY_STABLE:
         return known
     from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
 
-    reach = known if len(point.system.states) == 1 else _reach_by_function(point, found, known)
+    reach = known if len(point.system.states) == 1 else _reach_by_function(point, finding, known)
     homogeneity = homogeneity_of(point.system)
     in_time = reach.rate is not None and reach.rate.decay is DecayKind.FINITE
     if homogeneity is None or (reach.everywhere and (in_time or not homogeneity.arrives)):
@@ -452,15 +452,15 @@ def _approach(system: SwitchedSystem, function: ExaminedFunction | None) -> Reco
     return find_approach(system, (function.formula, function.stated_on.radius or system.check.radius))
 
 
-def _reach_by_function(point: CheckedPoint, found: Finding, known: Reach) -> Reach:
+def _reach_by_function(point: CheckedPoint, finding: Finding, known: Reach) -> Reach:
     """What the point knows of a finding, with the reach of the V that decides."""
-    system, function = point.system, found.function
+    system, function = point.system, finding.function
     reach = Reach()
-    if function is not None and (function.decrease is Decrease.STRICT or found.entry is None):
+    if function is not None and (function.decrease is Decrease.STRICT or finding.entry is None):
         reach = _reach_of_function(system, function)
     if not point.is_covered_within(system.check.radius):
         reach = Reach(in_finite_time=reach.in_finite_time)
-    entry = found.entry if found.is_global else None
+    entry = finding.entry if finding.is_global else None
     if not known.everywhere and entry is None:
         from nonsmooth.proofs.kernel.whole_space import find_global_attraction
         from nonsmooth.proofs.systems.energies import energies
@@ -469,7 +469,7 @@ def _reach_by_function(point: CheckedPoint, found: Finding, known: Reach) -> Rea
         entry = find_global_attraction(system, (formula, system.check.lyapunov), energies(system))
     everywhere, in_time = known.everywhere or entry is not None, known.in_finite_time or reach.in_finite_time
     reach = replace(reach, everywhere=everywhere, global_entry=entry, in_finite_time=in_time)
-    return _with_rate(system, found.entry or entry, reach) if everywhere and function is None else reach
+    return _with_rate(system, finding.entry or entry, reach) if everywhere and function is None else reach
 
 
 def _with_rate(system: SwitchedSystem, entry: Record | None, reach: Reach) -> Reach:
@@ -498,29 +498,29 @@ def _reach_of_function(system: SwitchedSystem, function: ExaminedFunction) -> Re
     holds in the space where it is one of forms.
     """
     is_whole, checked = function.domain.radius is None, system.check.radius
-    found = _falling(system, function, function.stated_on.radius or checked)
-    near = None if found is None else found.largest_sublevel()
+    falling = _falling(system, function, function.stated_on.radius or checked)
+    near = None if falling is None else falling.largest_sublevel()
     beyond = _beyond(system, function) if isinstance(function, PlaneFunction) else None
     far = None if beyond is None else beyond.largest_sublevel(falls=False)
     region = near if far is None or (near is not None and near.level >= far.level) else far
     reach = Reach() if is_whole else Reach(near=near, region=region)
     is_scaled = system.rewriting.scale is not None  # then the field has another rate
-    rate = None if found is None or is_scaled else found.decay_rate()
-    if found is None or rate is None:
+    rate = None if falling is None or is_scaled else falling.decay_rate()
+    if falling is None or rate is None:
         return reach
     if system.by_roots is not None:  # in the time of the roots
         from nonsmooth.proofs.systems.system_stability import has_rooted_axis
 
         in_time = rate.decay is not DecayKind.ALGEBRAIC and has_rooted_axis(system)
         return replace(reach, in_finite_time=in_time)
-    scales = is_whole and are_about_forms(found.rate_claims(rate.decay, rate.kappa))
+    scales = is_whole and are_about_forms(falling.rate_claims(rate.decay, rate.kappa))
     rate = replace(rate, domain=function.domain) if scales else rate
     return replace(
         reach,
         near=None if scales else near,
         rate=rate,
         region_rate=None if beyond is None or far is None or region is near else beyond.region_rate(far),
-        gain=found.disturbance_gain(rate, near),
+        gain=falling.disturbance_gain(rate, near),
     )
 
 
@@ -534,16 +534,16 @@ def _beyond(system: SwitchedSystem, function: PlaneFunction) -> FallingFunction 
         return None
     if not function.is_given and system.rewriting.waves:
         return None
-    found = _falling(system, function, checked)
-    is_short = function.is_given or (found is not None and found.degree <= MOST_DEGREE)
-    return found if is_short else None
+    falling = _falling(system, function, checked)
+    is_short = function.is_given or (falling is not None and falling.degree <= MOST_DEGREE)
+    return falling if is_short else None
 
 
 def _falling(system: SwitchedSystem, function: ExaminedFunction, radius: Number) -> FallingFunction | None:
     """The claims about V on a cube; None where no certificate can name the system, V or the cube."""
     if isinstance(function, ExaminedLyapunov):
-        found = {question.claim.name: question.found for question in function.asked if question.found is not None}
-        return FallingFunction(function.radius, function.conditions, found)
+        evidence = {question.claim.name: question.found for question in function.asked if question.found is not None}
+        return FallingFunction(function.radius, function.conditions, evidence)
     return claims_about(system, function, radius)
 
 

@@ -302,7 +302,7 @@ def basin_words(basin: CertifiedBasin, states: Sequence[str]) -> str:
         sides, filled = len(basin.outside["corners"]), percent_text(basin.filled)
         said.append(f"no start outside of a polygon of {sides} sides does, of whose area the region fills {filled}")
     traps, saddles = (
-        " and ".join(place_text(place, 3) for place, _ in found) for found in (basin.traps, basin.saddles)
+        " and ".join(place_text(place, 3) for place, _ in rings) for rings in (basin.traps, basin.saddles)
     )
     if traps:
         said.append(f"no start inside of a polygon about {traps} does")
@@ -451,13 +451,13 @@ def _looked_at(scene: Scene | SwitchedSystem, function: ExaminedFunction | None)
 
 
 def _derivatives(function: ExaminedFunction) -> Iterator[Fact]:
-    for key, found in function.suprema.items():
-        yield _supremum(key, f"sup of V', {DERIVATIVES[key]}", found)
+    for key, supremum in function.suprema.items():
+        yield _supremum(key, f"sup of V', {DERIVATIVES[key]}", supremum)
 
 
-def _supremum(key: str, row: str, found: Supremum) -> Fact:
-    sign, value = str(found.supremum_sign), found.value
-    record = {"sign": sign, "value": Quantity(value), "point": Quantity(found.point)}
+def _supremum(key: str, row: str, supremum: Supremum) -> Fact:
+    sign, value = str(supremum.supremum_sign), supremum.value
+    record = {"sign": sign, "value": Quantity(value), "point": Quantity(supremum.point)}
     words, shown = ("{}", (sign,)) if value is None else ("{} ({})", (sign, value))
     return Fact(key, record, words, shown, row=row)
 

@@ -88,16 +88,18 @@ class Theorem4Result(ShortRepr):
         """Every clause with its result, in order."""
         return tuple((clause, self.results[clause.name]) for clause in clause_registry.CLAUSES)
 
-    def contradicted(self, found: Sequence[Contradiction]) -> Self:
+    def contradicted(self, contradictions: Sequence[Contradiction]) -> Self:
         """The same with every clause undecided that a contradiction concerns, and what follows from that."""
-        if not found:
+        if not contradictions:
             return self
         results = dict(self.results)
         for clause, result in self.clauses:
-            said = "; ".join(one.text for one in found if clause.name in one.clauses)
+            said = "; ".join(one.text for one in contradictions if clause.name in one.clauses)
             results[clause.name] = clause.undecided(result, said) if said else result
         _, reason = clause_registry.conclude(results)
-        return replace(self, results=results, verdict=Theorem4.UNDECIDED, reason=reason, contradictions=tuple(found))
+        return replace(
+            self, results=results, verdict=Theorem4.UNDECIDED, reason=reason, contradictions=tuple(contradictions)
+        )
 
     def facts(self, clause: Clause[Any]) -> Iterator[Fact]:
         """What one clause says beside verdict and reason."""
@@ -260,13 +262,13 @@ MOST = 16  # points that are judged: each costs a partition of its own
 SHARE = 8  # the square about a point is this many times smaller than the checked one
 
 
-def judge_equilibria(scene: Scene, found: tuple[RestPlace, ...]) -> tuple[JudgedEquilibrium, ...]:
+def judge_equilibria(scene: Scene, places: tuple[RestPlace, ...]) -> tuple[JudgedEquilibrium, ...]:
     """Verdicts for the equilibria of a scene whose coordinates are those of the points.
 
     Points whose coordinates are unevaluated quotients, and those beyond :data:`MOST`, are left unjudged.
     """
     judged, budget = [], MOST
-    for equilibrium in found:
+    for equilibrium in places:
         point = equilibrium.points[0]
         if len(equilibrium.points) > 1 or not budget or any(isinstance(x, Lazy) for x in point):
             judged.append(JudgedEquilibrium(equilibrium))
@@ -387,11 +389,11 @@ def _equilibria(work: Workspace) -> tuple[JudgedEquilibrium, ...] | None:
     try:
         with work_limit(work.scene.field, SEARCH_UNITS):
             before = work.scene.field.rounded_signs
-            found = find_equilibria(work.partition, _about_border(work.partition))
+            equilibria = find_equilibria(work.partition, _about_border(work.partition))
             if work.scene.field.rounded_signs > before:
                 work.skip("search for other equilibria", 1, ROUNDING_DECIDES)
                 return None
-            return judge_equilibria(work.scene, found)
+            return judge_equilibria(work.scene, equilibria)
     except WorkLimitError:
         why = f"it takes more than {SEARCH_UNITS // 1_000_000} million exact operations, and no clause needs it"
         work.skip("search for other equilibria", 1, why)

@@ -95,10 +95,10 @@ def show_growth_of(system: SwitchedSystem, verdict: str, search: Search | None =
         growth = find_growth(system) or find_growing_product(system) or find_growth(system, LARGE)
     if growth is not None:
         return Search(known=growth["proofs"]).entry(subject, "instability", growth["hypotheses"])
-    found = find_weak_growth(system, search)
-    if found is None:
+    entry = find_weak_growth(system, search)
+    if entry is None:
         raise NotShownError("no function was found that shows instability")
-    return found
+    return entry
 
 
 def show_attraction_of(system: SwitchedSystem, verdict: str) -> Entry:
@@ -115,8 +115,8 @@ def show_attraction_of(system: SwitchedSystem, verdict: str) -> Entry:
         NotShownError: where none is found.
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    found = (find_attraction(system, potential, radius) for potential, radius in energies_near(system))
-    entry = next(filter(None, found), None)
+    entries = (find_attraction(system, potential, radius) for potential, radius in energies_near(system))
+    entry = next(filter(None, entries), None)
     if entry is None:
         raise NotShownError("no energy was found that shows that the point attracts")
     return entry, [{"stability": verdict}]
@@ -137,10 +137,10 @@ def show_energy_of(system: SwitchedSystem, verdict: str) -> Entry:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
     subject, search = started(system)
-    found = find_kept_function(system)
-    if found is None:
+    energy = find_kept_function(system)
+    if energy is None:
         raise NotShownError("no polynomial was found that is positive and kept")
-    return search.entry(subject, "lyapunov", stability_hypotheses(found.stated.record, found.formula.text, STABLE))
+    return search.entry(subject, "lyapunov", stability_hypotheses(energy.stated.record, energy.formula.text, STABLE))
 
 
 # ---- the search for a switching law under which the point is unstable ----------------------------
@@ -227,11 +227,11 @@ def show_by_growth(system: SwitchedSystem, verdict: str, search: Search) -> Entr
         NotShownError: where none is found.
     """
     subject, search = started(system, search)
-    found = find_lyapunov(system, grows=True, is_linear=PlanePoint(system).is_led_by_linear_parts)
-    if found is None or found.decrease is not Decrease.STRICT:
+    function = find_lyapunov(system, grows=True, is_linear=PlanePoint(system).is_led_by_linear_parts)
+    if function is None or function.decrease is not Decrease.STRICT:
         raise NotShownError("no function was found that grows along every solution")
     try:
-        return search.entry(subject, "instability", growth_hypotheses(system, found))
+        return search.entry(subject, "instability", growth_hypotheses(system, function))
     except NoCertificateError as error:
         raise NotShownError(str(error)) from None
 
