@@ -250,32 +250,32 @@ def contact_facts(check: Theorem4Result) -> tuple[Fact, ...]:
 
 def how_far(scene: Scene, place: str = "here", heading: str = "this heading") -> str:
     """How far a body with an outline may move and turn for certain on the same wheels; empty without one."""
-    found = contact_set(scene)
-    if found.margin is None:
+    contacts = contact_set(scene)
+    if contacts.margin is None:
         return ""
-    words = f"within {at_least(found.margin)}{scene.units.after_length} of {place}"
-    if found.angle is None:
+    words = f"within {at_least(contacts.margin)}{scene.units.after_length} of {place}"
+    if contacts.angle is None:
         return words
-    return f"{words}, or {angle_at_least(found.angle, scene.units)} of {heading} (of both: shares that add up to 1)"
+    return f"{words}, or {angle_at_least(contacts.angle, scene.units)} of {heading} (of both: shares that add up to 1)"
 
 
 def _facts(check: Theorem4Result) -> Iterator[Fact]:
     scene = check.scene
-    found, unit = contact_set(scene), scene.units.after_length
-    if scene.body is None or found.margin is None:
+    contacts, unit = contact_set(scene), scene.units.after_length
+    if scene.body is None or contacts.margin is None:
         names_body = scene.inertia is not None and scene.inertia.is_stated
-        yield Fact("wheels", list(found.wheels), WITHOUT_SHAPE if names_body else ALL_CARRY)
+        yield Fact("wheels", list(contacts.wheels), WITHOUT_SHAPE if names_body else ALL_CARRY)
         yield from (Fact(key, Quantity(None)) for key in ("margin", "angle", "keeps_wheels_within"))
         return
     count = len(scene.wheels) + len(scene.idle)
-    words = f"{scene.body.words}: wheels {numbers_text(found.wheels)} of {count} carry it"
+    words = f"{scene.body.words}: wheels {numbers_text(contacts.wheels)} of {count} carry it"
     if not scene.idle:
         words = f"{scene.body.words}: all {count} wheels carry it"
-    yield Fact("wheels", list(found.wheels), words)
+    yield Fact("wheels", list(contacts.wheels), words)
     words = f"the answers hold while no wheel enters or leaves: for certain {how_far(scene)}"
-    yield Fact("margin", Quantity(found.margin), words)
-    yield Fact("angle", Quantity(found.angle))
+    yield Fact("margin", Quantity(contacts.margin), words)
+    yield Fact("angle", Quantity(contacts.angle))
     turn = check.rotation.rotation_per_distance if check.rotation.verdict is Rotation.NEUTRAL else None
-    keeps = None if turn is None else found.start_that_keeps(turn)
+    keeps = None if turn is None else contacts.start_that_keeps(turn)
     said = "" if keeps is None else f"from within {at_least(keeps)}{unit} it keeps its wheels all the way home"
     yield Fact("keeps_wheels_within", Quantity(keeps), said)

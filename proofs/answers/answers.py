@@ -71,11 +71,11 @@ class OtherRule(NamedTuple):
 
 def other_rules(scene: Scene) -> tuple[OtherRule, ...]:
     """Position and heading under every contact rule but the scene's own."""
-    names, found = [name for name in CONTACT_RULES if name != scene.contact.rule], []
+    names, others = [name for name in CONTACT_RULES if name != scene.contact.rule], []
     for k, name in enumerate(names):
         with part_of(k, len(names), "other rules"):
-            found.append(_under(scene, name))
-    return tuple(found)
+            others.append(_under(scene, name))
+    return tuple(others)
 
 
 def _under(scene: Scene, name: str) -> OtherRule:
@@ -135,7 +135,7 @@ class Answers:
 
 def answers_of(check: Theorem4Result) -> tuple[Answer, ...]:
     """The answer to every question, from the clauses of the check; only the pose may need a decision beyond them."""
-    clauses = {name for found in check.contradictions for name in found.clauses}
+    clauses = {name for contradiction in check.contradictions for name in contradiction.clauses}
     may_look = clauses.isdisjoint({"equilibrium", "translation"})
     position = position_answer(check.scene, check.results, may_look=may_look)
     others = (question(check.scene, check.results) for name, question in QUESTIONS.items() if name != position.name)
@@ -208,19 +208,19 @@ def exit_status(check: Theorem4Result, required: Sequence[str], answered: Answer
         SceneError: where tolerances are required of a scene that states none, and inertia of one that does not say what
             gravity is or which forces act.
     """
-    found = {answer.name: answer.exit_status for answer in answers_of(check)}
-    found[THEOREM] = check.verdict.exit_status
+    by_name = {answer.name: answer.exit_status for answer in answers_of(check)}
+    by_name[THEOREM] = check.verdict.exit_status
     if TOLERANCES in required:
         require_tolerances(check.scene)
         robust = robust_answer(check.scene, check.results) if answered is None else answered.robust
-        found[TOLERANCES] = 3 if robust is None else robust.exit_status
+        by_name[TOLERANCES] = 3 if robust is None else robust.exit_status
     if INERTIA in required:
         require_dynamics(check.scene, "--require inertia")
         answer = _inertia_of(check) if answered is None else answered.inertia
-        found[INERTIA] = 3 if answer is None else _inertia_status(answer)
+        by_name[INERTIA] = 3 if answer is None else _inertia_status(answer)
     if check.contradictions:
         return 3
-    statuses = {found[name] for name in required}
+    statuses = {by_name[name] for name in required}
     return next((status for status in (1, 3) if status in statuses), 0)
 
 
@@ -259,10 +259,10 @@ def robust_answer(scene: Scene, results: Results) -> Answer | None:
     from nonsmooth.proofs.robust.decide import decide_robust  # only a scene that states tolerances needs it
     from nonsmooth.proofs.robust.feedback import decide_robust_loop
 
-    found, loop = decide_robust(scene), decide_robust_loop(scene, cast("AnyFeedback", results["feedback"]).holding)
-    if found is None:
+    robust, loop = decide_robust(scene), decide_robust_loop(scene, cast("AnyFeedback", results["feedback"]).holding)
+    if robust is None:
         return None
-    return Answer(TOLERANCES, found.verdict, (*robust_facts(scene, found), _loop_fact(loop)))
+    return Answer(TOLERANCES, robust.verdict, (*robust_facts(scene, robust), _loop_fact(loop)))
 
 
 def _loop_fact(loop: RobustLoop | None) -> Fact:
@@ -276,60 +276,60 @@ def _loop_fact(loop: RobustLoop | None) -> Fact:
     return Fact("pose_rate", Quantity(loop.rate), words)
 
 
-def robust_facts(scene: Scene, found: Robust) -> Iterator[Fact]:
+def robust_facts(scene: Scene, robust: Robust) -> Iterator[Fact]:
     """The keys are the same for every verdict."""
     unit = scene.units.after_length
-    if found.verdict is Certainty.UNDECIDED:
-        yield Fact(words=found.reason)
+    if robust.verdict is Certainty.UNDECIDED:
+        yield Fact(words=robust.reason)
     numbers = (
-        found.radius,
-        found.start,
-        found.within,
-        found.turning,
-        found.equilibrium,
-        found.drift,
-        found.rests,
+        robust.radius,
+        robust.start,
+        robust.within,
+        robust.turning,
+        robust.equilibrium,
+        robust.drift,
+        robust.rests,
     )
-    words = dict.fromkeys(KEYS, "") | _words_of_ends(scene, found, unit) | _words_of_equilibria(scene, found, unit)
-    if found.rests:
+    words = dict.fromkeys(KEYS, "") | _words_of_ends(scene, robust, unit) | _words_of_equilibria(scene, robust, unit)
+    if robust.rests:
         words["at_rest_within"] = (
-            f"for every array within them, a body within {at_least(found.rests)}{unit} of the point stays where it is"
+            f"for every array within them, a body within {at_least(robust.rests)}{unit} of the point stays where it is"
         )
     for key, value in zip(KEYS, numbers, strict=True):
         yield Fact(key, Quantity(value), words[key])
-    yield Fact("factor", Quantity(found.factor), _factor_words(found))
-    yield Fact("binding", found.binding, "" if found.binding is None else _binding_words(found.binding))
+    yield Fact("factor", Quantity(robust.factor), _factor_words(robust))
+    yield Fact("binding", robust.binding, "" if robust.binding is None else _binding_words(robust.binding))
 
 
-def _words_of_ends(scene: Scene, found: Robust, unit: str) -> dict[str, str]:
+def _words_of_ends(scene: Scene, robust: Robust, unit: str) -> dict[str, str]:
     """Where every body ends."""
-    if found.start is None or found.radius is None or found.within is None:
+    if robust.start is None or robust.radius is None or robust.within is None:
         return {}
-    near = f"the body ends within {at_most(found.radius)}{unit} of the point"
-    if found.radius > scene.accuracy:
+    near = f"the body ends within {at_most(robust.radius)}{unit} of the point"
+    if robust.radius > scene.accuracy:
         near += f", farther than the accuracy, {float_text(float(scene.accuracy), DIGITS)}{unit}"
     words = {
         "radius": f"for every array within them, {near}",
-        "from": f"from anywhere within {at_least(found.start)}{unit}",
-        "within": f"after at most {at_most(found.within)} s",
+        "from": f"from anywhere within {at_least(robust.start)}{unit}",
+        "within": f"after at most {at_most(robust.within)} s",
     }
-    if found.turning is not None:
-        words["turning"] = f"on the way it turns by at most {angle_at_most(found.turning, scene.units)}"
+    if robust.turning is not None:
+        words["turning"] = f"on the way it turns by at most {angle_at_most(robust.turning, scene.units)}"
     return words
 
 
-def _words_of_equilibria(scene: Scene, found: Robust, unit: str) -> dict[str, str]:
+def _words_of_equilibria(scene: Scene, robust: Robust, unit: str) -> dict[str, str]:
     """One equilibrium of every array."""
-    if found.equilibrium is None or found.drift is None:
+    if robust.equilibrium is None or robust.drift is None:
         return {}
     # a body with an outline that turns comes to lie on other wheels
-    turned = scene.body is not None and not scene.body.is_round and found.drift != 0
+    turned = scene.body is not None and not scene.body.is_round and robust.drift != 0
     kept = ", while they are turned so little that the same wheels carry them" if turned else ""
-    near = f"every array within them has one equilibrium within {at_most(found.equilibrium)}{unit} of the point"
+    near = f"every array within them has one equilibrium within {at_most(robust.equilibrium)}{unit} of the point"
     attracts = f"it attracts, exponentially, bodies that start close to it{kept}"
     return {
         "equilibrium": f"{near}; {attracts}",
-        "drift": f"there a body turns at no more than {angle_at_most(found.drift, scene.units)}/s",
+        "drift": f"there a body turns at no more than {angle_at_most(robust.drift, scene.units)}/s",
     }
 
 
@@ -339,10 +339,10 @@ def _binding_words(name: str) -> str:
     return f"{what} (which one moves ends most, simulate --tables samples)"
 
 
-def _factor_words(found: Robust) -> str:
+def _factor_words(robust: Robust) -> str:
     """How much larger the tolerances may be."""
-    if found.factor is None:
+    if robust.factor is None:
         return ""
-    if not found.factor:
+    if not robust.factor:
         return "no multiple of the tolerances above a thousandth is certified"
-    return f"such a bound is certified up to {at_least(found.factor)} times the tolerances"
+    return f"such a bound is certified up to {at_least(robust.factor)} times the tolerances"

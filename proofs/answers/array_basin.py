@@ -251,15 +251,15 @@ def _around(
     announce("the checker", 0, 1)
     for built, first, starts in meshes:
         mesh, below = built.record, built.below
-        found: Record = {"mesh": mesh, "below": below, "squared_radius": _squared_radius(mesh, below)}
+        stated: Record = {"mesh": mesh, "below": below, "squared_radius": _squared_radius(mesh, below)}
         try:
-            (claim,) = show_entry(array, {"theorem": "basin", "hypotheses": {**record, **found}, "proofs": {}})
+            (claim,) = show_entry(array, {"theorem": "basin", "hypotheses": {**record, **stated}, "proofs": {}})
         except RejectedError as error:
             why = f"the checker asks for {error}"
             continue
         sampled, coming = _sampled(field, first, last_ring(mesh_corners(mesh)), starts)
-        within = float(Fraction(found["squared_radius"])) ** 0.5 if "ends" in claim else None
-        hypotheses: Record = {**exact, **found}
+        within = float(Fraction(stated["squared_radius"])) ** 0.5 if "ends" in claim else None
+        hypotheses: Record = {**exact, **stated}
         entry = {"theorem": "basin", "hypotheses": hypotheses, "proofs": {}}
         return ArrayBasin(CertifiedBasin(hypotheses, sampled), entry, claim, field.half, within, coming)
     return NoBasin(why)
@@ -273,18 +273,18 @@ def _meshes(
     With each stand the ring from which it begins, and how many starts in a row are sampled.  The first mesh that fills
     its rings is the last one that is made.
     """
-    found, why = [], _why_none(field)
+    meshes, why = [], _why_none(field)
     for first, effort in product(_first_rings(field), efforts):
         limit = field.half * (1 - SQUARE)
         exact = partial(ArrayPlane, cells)
         built, last = grown_mesh(field, exact, first, effort, limit, announce, is_first_whole=True)
         if built is not None:
-            found.append((built, first, effort.starts))
+            meshes.append((built, first, effort.starts))
             if built.area > NEARLY_ALL * area(last):
                 break
         elif last is not first:  # there is a ring around the first one
             why = "W is not seen to fall beside the first ring"
-    return sorted(found, key=lambda mesh: -mesh[0].area), why
+    return sorted(meshes, key=lambda mesh: -mesh[0].area), why
 
 
 def _circle(centre: Floats, radius: float) -> Floats:
@@ -305,11 +305,11 @@ def _first_rings(field: FloatCells) -> Iterator[Floats]:
                 yield ring
         return
     for centre in (np.zeros(2), _end(field)):
-        radius, found = SMALLEST * field.half, 0
-        while radius < field.half - np.abs(centre).max() and found < CIRCLES:
+        radius, leading = SMALLEST * field.half, 0
+        while radius < field.half - np.abs(centre).max() and leading < CIRCLES:
             if _leads_inward(field, _circle(centre, radius)):
-                found += 1
-                radius *= WIDER**found
+                leading += 1
+                radius *= WIDER**leading
                 yield _circle(centre, radius)
             radius *= WIDER
 

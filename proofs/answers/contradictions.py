@@ -136,10 +136,10 @@ def reconciled(check: Check, answered: Answers | None = None, *more: Contradicti
 def without_contradictions(printed: PrintedAnswers, *more: Contradiction) -> tuple[Check, Answers]:
     """What is left of what is printed, whose sampled starts were followed: see :func:`reconciled`."""
     check, answered = printed.check, printed.answered
-    found = (*(one for pair in PAIRS for one in pair(printed)), *more)
-    if not found:
+    contradictions = (*(one for pair in PAIRS for one in pair(printed)), *more)
+    if not contradictions:
         return check, answered
-    left = check.contradicted(found)
+    left = check.contradicted(contradictions)
     return left, replace(answered, answers=answers_of(left), destinations=_without_verdict(check, answered))
 
 
@@ -177,8 +177,8 @@ def _without_verdict(check: Check, answered: Answers) -> Any:
     goes = answered.destinations
     if goes is None:
         return None
-    found = (replace(one, position=None, heading=None) if _is_point(check, one) else one for one in goes.found)
-    return replace(goes, found=tuple(found))
+    destinations = (replace(one, position=None, heading=None) if _is_point(check, one) else one for one in goes.found)
+    return replace(goes, found=tuple(destinations))
 
 
 # ---- one function for each pair ------------------------------------------------------------------

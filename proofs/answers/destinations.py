@@ -170,10 +170,10 @@ def destinations_of(check: Theorem4Result) -> Destinations | None:
         ends, reached = _followed(partition, [place.found for place in places])
     except TrajectoryError:  # cells so thin that floats lose their edges: nothing is known
         return None
-    found = [_at_place(check, place, float(np.mean(reached == k))) for k, place in enumerate(places)]
-    found = list(_merged(found, AT * check.scene.check.half_width))
-    found += _without_place(ends, reached)
-    return Destinations(_in_order(found), len(ends.starts), _ends_of(ends))
+    destinations = [_at_place(check, place, float(np.mean(reached == k))) for k, place in enumerate(places)]
+    destinations = list(_merged(destinations, AT * check.scene.check.half_width))
+    destinations += _without_place(ends, reached)
+    return Destinations(_in_order(destinations), len(ends.starts), _ends_of(ends))
 
 
 def ends_from(maps: Sequence[tuple[ConstantField, Floats]]) -> list[SampledEnds | None]:
@@ -196,14 +196,14 @@ def _settled(maps: Sequence[tuple[ConstantField, Floats]]) -> list[SettleMap]:
     return settle_maps(maps)
 
 
-def _ends_of(found: SettleMap) -> SampledEnds:
-    stays = np.array([reason in STAYS for reason, _ in found.ends])[found.basin]
-    leaves = np.array([_OF_END.get(reason) in (Goal.LEAVES, Goal.TIPS) for reason, _ in found.ends])[found.basin]
-    return SampledEnds(found.starts, np.where(stays[:, None], found.points, np.nan), leaves, found.theta)
+def _ends_of(ends: SettleMap) -> SampledEnds:
+    stays = np.array([reason in STAYS for reason, _ in ends.ends])[ends.basin]
+    leaves = np.array([_OF_END.get(reason) in (Goal.LEAVES, Goal.TIPS) for reason, _ in ends.ends])[ends.basin]
+    return SampledEnds(ends.starts, np.where(stays[:, None], ends.points, np.nan), leaves, ends.theta)
 
 
-def _in_order(found: list[Destination]) -> tuple[Destination, ...]:
-    return tuple(sorted(found, key=lambda d: -d.share))
+def _in_order(destinations: list[Destination]) -> tuple[Destination, ...]:
+    return tuple(sorted(destinations, key=lambda d: -d.share))
 
 
 def shares_at(partition: Partition, places: Sequence[RestPlace]) -> list[float]:
@@ -248,19 +248,19 @@ def sampled_destinations(scene: Scene) -> Destinations | None:
     shares = [float(np.mean(ends.reached == k)) for k in range(len(ends.places))]
     if len(shares) > MOST_PLACES:
         (left, low), (right, high) = ends.places.min(axis=0).tolist(), ends.places.max(axis=0).tolist()
-        found = [Destination(Goal.AREA, ((left, low), (right, high)), None, None, sum(shares))]
+        destinations = [Destination(Goal.AREA, ((left, low), (right, high)), None, None, sum(shares))]
     else:
-        found = [
+        destinations = [
             Destination(Goal.POINT, ((px, py),), None, None, share)
             for (px, py), share in zip(ends.places.tolist(), shares, strict=True)
         ]
     for code, goal in ((LEFT, Goal.LEAVES), (MOVING, Goal.OTHER)):
         share = float(np.mean(ends.reached == code))
-        found += [Destination(goal, (), None, None, share)] if share else []
+        destinations += [Destination(goal, (), None, None, share)] if share else []
     places = np.where(ends.speeds[:, None] <= VANISHES, ends.places - (x, y), np.nan)
     reached = np.vstack([places, np.full((2, 2), np.nan)])[ends.reached]  # -1 and -2 stay nowhere
     sampled = SampledEnds(starts, reached, ends.reached == LEFT, np.full(len(starts), np.nan))
-    return Destinations(_in_order(found), len(starts), sampled)
+    return Destinations(_in_order(destinations), len(starts), sampled)
 
 
 def _at_place(check: Theorem4Result, place: JudgedEquilibrium, share: float) -> Destination:
@@ -271,9 +271,9 @@ def _at_place(check: Theorem4Result, place: JudgedEquilibrium, share: float) -> 
     return Destination(_OF_PLACE[place.found.place], points, position, heading, share)
 
 
-def _merged(found: list[Destination], distance: float) -> Iterator[Destination]:
+def _merged(destinations: list[Destination], distance: float) -> Iterator[Destination]:
     """Points closer together than sampled ends can be told apart as one, with what holds near all of them."""
-    left = list(found)
+    left = list(destinations)
     while left:
         first, *others = left
         same = [one for one in others if _is_same_point(first, one, distance)]
@@ -395,8 +395,8 @@ def _best_of_cells(scene: Scene) -> BestPoint:
     if sum(_order(point) == least for point, _ in judged) > 1:
         shares = shares_at(partition, [place.found for place in places])
         judged = [pair for _, pair in sorted(zip(shares, judged, strict=True), key=lambda entry: -entry[0])]
-    found = tuple(sorted((point for point, _ in judged), key=_order))
-    return BestPoint(_in_a_square_that_fits(scene, _middle(scene, found[0]), _partition)[0], found)
+    points = tuple(sorted((point for point, _ in judged), key=_order))
+    return BestPoint(_in_a_square_that_fits(scene, _middle(scene, points[0]), _partition)[0], points)
 
 
 def _rest_point(scene: Scene, place: JudgedEquilibrium) -> RestPoint:
@@ -416,10 +416,10 @@ def _partition(there: Scene) -> Partition:
     return build_partition(standing(there).recentred())
 
 
-def _disc(found: AnyTranslation) -> Number | None:
+def _disc(translation: AnyTranslation) -> Number | None:
     """Radius of the certified disc: of starts that come home, or in which bodies do not get farther away."""
-    attracts = found.verdict is Translation.ASYMPTOTICALLY_STABLE
-    return found.home_radius if attracts else found.region_radius
+    attracts = translation.verdict is Translation.ASYMPTOTICALLY_STABLE
+    return translation.home_radius if attracts else translation.region_radius
 
 
 def _middle(scene: Scene, place: RestPoint) -> Vector:
@@ -468,11 +468,11 @@ def _best_proved_point(scene: Scene) -> BestPoint:
     proved: list[tuple[RestPoint, Scene]] = []
     open_places: list[RestPoint] = []
     for points in places:
-        found = _proved_near(scene, points[0]) or _enclosed_near(scene, points[0])
-        if found is None:
+        near = _proved_near(scene, points[0]) or _enclosed_near(scene, points[0])
+        if near is None:
             open_places.append(RestPoint(points))
-        elif all(found[0].points != other.points for other, _ in proved):
-            proved.append(found)
+        elif all(near[0].points != other.points for other, _ in proved):
+            proved.append(near)
     if not proved:
         raise RefusalError(_no_exact_point(scene, places))
     proved.sort(key=lambda pair: _order(pair[0]))
@@ -487,8 +487,8 @@ def _proved_near(scene: Scene, place: Point) -> tuple[RestPoint, Scene] | None:
         try:
             work = Workspace(standing(there), sample=False)
             if work.point.equilibrium is Equilibrium.HOLDS:
-                found = decide_translation_at(work.point, work.lemma)
-                return RestPoint(((x, y),), OF_PLACE[found.verdict], _disc(found)), there
+                translation = decide_translation_at(work.point, work.lemma)
+                return RestPoint(((x, y),), OF_PLACE[translation.verdict], _disc(translation)), there
         except RefusalError:
             continue
     return None

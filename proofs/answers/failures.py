@@ -93,11 +93,11 @@ def failures_of(scene: Scene) -> tuple[Failure, ...]:
         SceneError: where a wheel lies exactly under its edge.
     """
     every = [(wheel, kind) for wheel in standing(scene).wheels for kind in FailureKind]
-    found = []
+    failures = []
     for k, (wheel, kind) in enumerate(every):
         with part_of(k, len(every), f"failures, wheel {wheel.index} {kind}"):
-            found.append(_failure(scene, wheel, kind))
-    return tuple(found)
+            failures.append(_failure(scene, wheel, kind))
+    return tuple(failures)
 
 
 def worst_failure(failures: tuple[Failure, ...]) -> Failure:
@@ -170,8 +170,8 @@ def _decided(scene: Scene, number: int, kind: FailureKind) -> Failure:
         check, _ = reconciled(check_theorem4(scene, beside=False))
     except (RefusalError, SceneError) as error:
         return _undecided(number, kind, str(error))
-    found = {answer.name: answer.verdict for answer in answers_of(check)}
-    position, heading, pose = (found[name] for name in ("position", "heading", "pose"))
+    verdicts = {answer.name: answer.verdict for answer in answers_of(check)}
+    position, heading, pose = (verdicts[name] for name in ("position", "heading", "pose"))
     why = check.reason if position is Position.UNDECIDED else ""
     failure = Failure(number, kind, Position(position), Heading(heading), Pose(pose), check.verdict, why)
     return failure if kind is FailureKind.LIFTED else _without_drive(failure)

@@ -62,10 +62,10 @@ def _beside(scene: Scene, results: Results) -> tuple[tuple[Fraction, Fraction], 
     """The rotation rate at a place of rest beside the point, and what bodies do there; None where none is enclosed."""
     if results["equilibrium"].verdict is not Equilibrium.FAILS:
         return None
-    found = nearness(scene, results)
-    if found.turning is not None:
-        return found.turning.rates, "about that place it turns"
-    place = None if found.ends is None else place_of_rest(scene, found.ends)
+    near = nearness(scene, results)
+    if near.turning is not None:
+        return near.turning.rates, "about that place it turns"
+    place = None if near.ends is None else place_of_rest(scene, near.ends)
     return None if place is None else (place.rates, "where it ends it turns")
 
 
@@ -94,38 +94,38 @@ def _rotation(results: Results) -> RotationResult:
 
 def _facts(scene: Scene, results: Results) -> Iterator[Fact]:
     """The largest rate of the drift, and how far the way home may turn the body."""
-    found = _rotation(results)
-    yield from _drift(scene, found)
-    turn = found.rotation_per_distance if found.verdict is Rotation.NEUTRAL else None
+    rotation = _rotation(results)
+    yield from _drift(scene, rotation)
+    turn = rotation.rotation_per_distance if rotation.verdict is Rotation.NEUTRAL else None
     if turn:
         most = angle_at_most(turn, scene.units)
         words = f"the way home turns it by at most {most} for each 1{scene.units.after_length} of distance"
         yield Fact("turn_per_distance", Quantity(turn), words)
     else:
         yield Fact("turn_per_distance", Quantity(turn))
-    if found.verdict is Rotation.UNDECIDED:
+    if rotation.verdict is Rotation.UNDECIDED:
         yield said(_why_undecided(results))
 
 
-def _drift(scene: Scene, found: RotationResult) -> Iterator[Fact]:
+def _drift(scene: Scene, rotation: RotationResult) -> Iterator[Fact]:
     """The rates at which the body can turn while it rests, or the sentence that it cannot."""
-    if found.verdict is Rotation.UNSTABLE and found.spin is not None:
-        spin = max(map(abs, found.spin))
+    if rotation.verdict is Rotation.UNSTABLE and rotation.spin is not None:
+        spin = max(map(abs, rotation.spin))
         words = f"at rest it turns all the time, at up to {angle_at_most(spin, scene.units)}/s"
         yield Fact("largest_rate", Quantity(Fraction(at_most(spin))), words)
         return
-    if found.verdict is not Rotation.UNSTABLE or found.drift is None:
+    if rotation.verdict is not Rotation.UNSTABLE or rotation.drift is None:
         yield Fact("largest_rate", Quantity(None))
-        if found.verdict is Rotation.NEUTRAL:
+        if rotation.verdict is Rotation.NEUTRAL:
             yield said("a body at rest does not turn")
         return
-    low, high = found.drift.interval
+    low, high = rotation.drift.interval
     fastest = max(-low, high)
     most = angle_at_most(fastest, scene.units)
     if low == high:
         rate = math.degrees(float(fastest)) if scene.units.in_degrees else fastest
         words = f"at rest it turns all the time, at {float_text(rate, DIGITS)} {scene.units.angle}/s"
-    elif found.turns_on:
+    elif rotation.turns_on:
         words = f"at rest it turns all the time, at up to {most}/s"
     else:
         words = f"at rest it may turn, at up to {most}/s"
@@ -233,16 +233,18 @@ def headings_of_rest(scene: Scene, *, around: bool = False) -> HeadingsOfRest | 
     """
     from nonsmooth.proofs.headings.at_point import can_search, equilibrium_headings
 
-    found = equilibrium_headings(scene, around=around)
-    if found is None:
+    headings = equilibrium_headings(scene, around=around)
+    if headings is None:
         return None
-    entries = sorted(_entries(found), key=_rank)
-    return HeadingsOfRest(tuple(entries), found.undecided, found.reach, found.left_out, can_search(scene), scene.units)
+    entries = sorted(_entries(headings), key=_rank)
+    return HeadingsOfRest(
+        tuple(entries), headings.undecided, headings.reach, headings.left_out, can_search(scene), scene.units
+    )
 
 
-def _entries(found: EquilibriumHeadings) -> Iterator[HeadingOfRest]:
-    yield from (_of_interval(interval) for interval in found.intervals)
-    yield from (_of_sample(sample) for sample in found.sampled)
+def _entries(headings: EquilibriumHeadings) -> Iterator[HeadingOfRest]:
+    yield from (_of_interval(interval) for interval in headings.intervals)
+    yield from (_of_sample(sample) for sample in headings.sampled)
 
 
 def _rank(entry: HeadingOfRest) -> tuple[bool, bool, bool, bool, float, tuple[int, ...]]:

@@ -134,11 +134,11 @@ def _until_others(scene: Scene, kept: ContactSet, rest: EnclosedRest) -> str:
 
 def _linearized(scene: Scene, rest: EnclosedRest, place: XY, spin: float) -> NearRest:
     (x, y), omega = rest.place, rest.spin
-    found = rest.balance.at(unknowns_at_rest(arb_mat([[x], [y], [omega]])), rest.place)
-    if found is None or scene.inertia is None:
+    linearized = rest.balance.at(unknowns_at_rest(arb_mat([[x], [y], [omega]])), rest.place)
+    if linearized is None or scene.inertia is None:
         return NearRest(Inertia.UNDECIDED, "a wheel may stick or lift off at the place of rest", place, spin)
     height = ball_of(scene.inertia.centre_height or scene.field.zero)
-    pencil = Pencil.about(found[1], found[2], rest.place, omega, ball_of(squared_radius(scene)), height)
+    pencil = Pencil.about(linearized[1], linearized[2], rest.place, omega, ball_of(squared_radius(scene)), height)
     mass = 1 / ball_of(scene.inertia.gravity)
     verdict = VERDICTS[pencil.stability(mass)]
     values = tuple(np.roots([float(value.mid()) for value in reversed(pencil.characteristic(mass))]).tolist())
@@ -195,11 +195,11 @@ def simulated(scene: Scene, near: NearRest) -> Simulated:
     starts = _ring(scene, radius)
     if near.verdict is Inertia.UNSTABLE and near.place is not None:  # beside it, for a small limit cycle
         starts.insert(0, (at_x + near.place[0] + BESIDE * float(scene.accuracy), at_y + near.place[1], 0.0))
-    found = _followed(scene, near, radius, starts, "starts with inertia")
+    followed = _followed(scene, near, radius, starts, "starts with inertia")
     try:
-        return found if found.why_not else replace(found, massless_holds_to=_massless(scene, found.bodies))
+        return followed if followed.why_not else replace(followed, massless_holds_to=_massless(scene, followed.bodies))
     except UNFOLLOWED as error:
-        return replace(found, why_not=str(error))
+        return replace(followed, why_not=str(error))
 
 
 def from_stated(scene: Scene, near: NearRest) -> Simulated | None:
@@ -212,23 +212,23 @@ def from_stated(scene: Scene, near: NearRest) -> Simulated | None:
 
 def _followed(scene: Scene, near: NearRest, radius: float, starts: list[Pose], step: str) -> Simulated:
     """What becomes of bodies from some starts, as far as they are followed."""
-    found, crossing = Simulated(radius, (), len(starts)), _crossing(scene, radius)
+    followed, crossing = Simulated(radius, (), len(starts)), _crossing(scene, radius)
     body = _body(scene)
     if body is None:
-        return found
+        return followed
     for k, start in enumerate(starts):
-        if sum(one.work for one in found.bodies) > MOST_WORK:
-            return replace(found, why_not="it takes long")
+        if sum(one.work for one in followed.bodies) > MOST_WORK:
+            return replace(followed, why_not="it takes long")
         with part_of(k, len(starts), step):
             try:
                 settled = settle(scene, body, start, float(scene.accuracy), *_chunk(near, crossing))
             except StartTipsError:
-                found = replace(found, tip=found.tip + 1)
+                followed = replace(followed, tip=followed.tip + 1)
             except UNFOLLOWED as error:
-                return replace(found, why_not=str(error))
+                return replace(followed, why_not=str(error))
             else:
-                found = replace(found, bodies=(*found.bodies, settled))
-    return found
+                followed = replace(followed, bodies=(*followed.bodies, settled))
+    return followed
 
 
 def _ring(scene: Scene, radius: float) -> list[Pose]:
@@ -317,9 +317,9 @@ class _SameObject:
 def _answered(asked: _SameObject) -> Answer:
     scene = asked.scene
     near = near_rest(scene)
-    found = simulated(scene, near)
+    followed = simulated(scene, near)
     farther = from_stated(scene, near)
-    return Answer("inertia", near.verdict, (*_proved(scene, near), *_seen(scene, found, farther)))
+    return Answer("inertia", near.verdict, (*_proved(scene, near), *_seen(scene, followed, farther)))
 
 
 def _proved(scene: Scene, near: NearRest) -> Iterator[Fact]:
@@ -344,20 +344,20 @@ def _proved(scene: Scene, near: NearRest) -> Iterator[Fact]:
         yield said(f"it is stable up to {low} times these speeds, and unstable at {high} times")
 
 
-def _seen(scene: Scene, found: Simulated, farther: Simulated | None) -> Iterator[Fact]:
+def _seen(scene: Scene, followed: Simulated, farther: Simulated | None) -> Iterator[Fact]:
     """What the simulation says, from near starts and from the radius that is stated."""
     unit, accuracy = scene.units.after_length, float_text(float(scene.accuracy), DIGITS)
-    at_rest, cycles = found.those(Settling.AT_REST), found.those(Settling.LIMIT_CYCLE)
-    settles = len(found.bodies) == found.asked == len(at_rest)
+    at_rest, cycles = followed.those(Settling.AT_REST), followed.those(Settling.LIMIT_CYCLE)
+    settles = len(followed.bodies) == followed.asked == len(at_rest)
     yield Fact("status", "simulated")
     yield Fact("swings", max(one.swings or 0 for one in at_rest) if settles else None)
     yield Fact("settles_after", max(one.settles_after or 0.0 for one in at_rest) if settles else None)
     yield Fact("limit_cycle", max((one.amplitude or 0.0 for one in cycles), default=None))
-    yield Fact("massless_holds_to", found.massless_holds_to)
-    yield Fact("from", [_record(one) for one in found.bodies])
-    beside = " and one beside it" if found.asked > STARTS else ""
-    away = f"{STARTS} starts {float_text(found.radius, DIGITS)}{unit} away"
-    yield said(f"simulated from {away}{beside}: {_becomes(scene, found)}")
+    yield Fact("massless_holds_to", followed.massless_holds_to)
+    yield Fact("from", [_record(one) for one in followed.bodies])
+    beside = " and one beside it" if followed.asked > STARTS else ""
+    away = f"{STARTS} starts {float_text(followed.radius, DIGITS)}{unit} away"
+    yield said(f"simulated from {away}{beside}: {_becomes(scene, followed)}")
     if farther is not None:
         yield Fact("from_stated", {"tip": farther.tip, "from": [_record(one) for one in farther.bodies]})
         stated = float_text(2 * farther.radius, DIGITS)
@@ -365,18 +365,18 @@ def _seen(scene: Scene, found: Simulated, farther: Simulated | None) -> Iterator
         yield said(
             f"from {STARTS} starts {float_text(farther.radius, DIGITS)}{unit} away, {of}: {_becomes(scene, farther)}"
         )
-    if found.massless_holds_to is not None:
-        yield said(_alike(found.massless_holds_to, accuracy + unit))
+    if followed.massless_holds_to is not None:
+        yield said(_alike(followed.massless_holds_to, accuracy + unit))
 
 
-def _becomes(scene: Scene, found: Simulated) -> str:
+def _becomes(scene: Scene, followed: Simulated) -> str:
     """What becomes of bodies from a ring of starts, and of how many of them where that is not all."""
     unit, accuracy = scene.units.after_length, float_text(float(scene.accuracy), DIGITS)
-    at_rest, cycles = found.those(Settling.AT_REST), found.those(Settling.LIMIT_CYCLE)
+    at_rest, cycles = followed.those(Settling.AT_REST), followed.those(Settling.LIMIT_CYCLE)
     parts = []
     if at_rest:
         swings = max(one.swings or 0 for one in at_rest)
-        count = "" if len(at_rest) == found.asked else f"{len(at_rest)} "
+        count = "" if len(at_rest) == followed.asked else f"{len(at_rest)} "
         within = f"within {accuracy}{unit} of where {'they end' if count else 'it ends'}"
         after = max(one.settles_after or 0.0 for one in at_rest)
         when = f"after {float_text(after, 3)} s" if after else "already at the start"
@@ -385,10 +385,10 @@ def _becomes(scene: Scene, found: Simulated) -> str:
         size = max(one.amplitude or 0.0 for one in cycles)
         parts.append(f"{len(cycles)} on a limit cycle, up to {float_text(size, 3)}{unit} from its middle")
     for kind in (Settling.THROWN_OFF, Settling.OPEN):
-        those = len(found.those(kind))
+        those = len(followed.those(kind))
         parts += [f"{those} {kind}"] if those else []
-    parts += [f"{found.tip} of {found.asked} tip where they start"] if found.tip else []
-    parts += [f"not all are followed: {found.why_not}"] if found.why_not else []
+    parts += [f"{followed.tip} of {followed.asked} tip where they start"] if followed.tip else []
+    parts += [f"not all are followed: {followed.why_not}"] if followed.why_not else []
     return ", ".join(parts)
 
 

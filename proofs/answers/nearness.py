@@ -193,11 +193,11 @@ def _decided(asked: _SameObject) -> Nearness:
     kept, array = contact_set(scene), alone(scene).recentred()
     with either_way(scene.field):  # what is shown holds for every member of what was rounded
         if array.contact.rule != "nearest" and array.contact.loads_are_unknown:
-            found = _under_a_load(asked, array, kept)
+            shown_near = _under_a_load(asked, array, kept)
         else:
-            found = _under_known_loads(asked, array, kept)
-    is_shown = found.leaves or found.comes_near or found.turning is not None
-    return found if is_shown else replace(found, why_not=_why_not(array, accuracy, kept))
+            shown_near = _under_known_loads(asked, array, kept)
+    is_shown = shown_near.leaves or shown_near.comes_near or shown_near.turning is not None
+    return shown_near if is_shown else replace(shown_near, why_not=_why_not(array, accuracy, kept))
 
 
 def _why_not(scene: Scene, accuracy: Fraction, kept: ContactSet) -> str:
@@ -406,7 +406,7 @@ def _comes_home_reversed(scene: Scene, accuracy: Fraction) -> bool:
                 work.earlier[clause.name] = clause.decided(work)
     except RefusalError:
         return False
-    found = work.earlier["translation"]
-    home = getattr(found, "home_radius", None)
-    attracts = found.verdict is Translation.ASYMPTOTICALLY_STABLE
+    translation = work.earlier["translation"]
+    home = getattr(translation, "home_radius", None)
+    attracts = translation.verdict is Translation.ASYMPTOTICALLY_STABLE
     return bool(attracts and home is not None and home >= accuracy)

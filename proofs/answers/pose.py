@@ -33,33 +33,33 @@ ROOTS = 10**9  # roots are rounded down to its parts
 
 def pose_answer(scene: Scene, results: Results) -> Answer:
     """From the clause on feedback; where Theorem 4 asks nothing of it, from the same decision beyond the theorem."""
-    found = cast("AnyFeedback", results["feedback"]).holding
-    return Answer("pose", _verdict(found), _facts(found, scene))
+    feedback = cast("AnyFeedback", results["feedback"]).holding
+    return Answer("pose", _verdict(feedback), _facts(feedback, scene))
 
 
-def _verdict(found: AnyFeedback) -> Pose:
-    if found.verdict is Feedback.STABILIZABLE:
+def _verdict(feedback: AnyFeedback) -> Pose:
+    if feedback.verdict is Feedback.STABILIZABLE:
         return Pose.CAN_BE_HELD
-    return Pose.UNDECIDED if found.obstruction is None else Pose.CANNOT_BE_HELD
+    return Pose.UNDECIDED if feedback.obstruction is None else Pose.CANNOT_BE_HELD
 
 
-def _facts(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
+def _facts(feedback: AnyFeedback, scene: Scene) -> Iterator[Fact]:
     """What the law must know, how fast it is, and how much it may misjudge."""
-    held = found.verdict is Feedback.STABILIZABLE
-    yield Fact("law", found.law)
-    yield Fact("must_know", list(found.must_know) if held else None, _knowing(found) if held else "")
-    yield from _rate(found, scene)
-    yield _wheel_speed(found, scene)
-    error = found.position_error if held else None
+    held = feedback.verdict is Feedback.STABILIZABLE
+    yield Fact("law", feedback.law)
+    yield Fact("must_know", list(feedback.must_know) if held else None, _knowing(feedback) if held else "")
+    yield from _rate(feedback, scene)
+    yield _wheel_speed(feedback, scene)
+    error = feedback.position_error if held else None
     yield Fact("position_error", error, "" if error is None else _misjudging(error))
     if not held:
-        yield said(_why_not(found))
+        yield said(_why_not(feedback))
     if scene.loop_errors is not None:
-        yield late_and_wrong(found, scene.loop_errors, scene)
+        yield late_and_wrong(feedback, scene.loop_errors, scene)
 
 
-def _knowing(found: AnyFeedback) -> str:
-    *first, last = found.must_know
+def _knowing(feedback: AnyFeedback) -> str:
+    *first, last = feedback.must_know
     return f"by feedback that knows {', '.join(first)} and {last}"
 
 
@@ -69,14 +69,14 @@ def _misjudging(error: float) -> str:
     return f"it may misjudge the position by {float_text(error, 4)} of the distance"
 
 
-def _rate(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
+def _rate(feedback: AnyFeedback, scene: Scene) -> Iterator[Fact]:
     """``V' <= -2 k kappa V``, so the error ``sqrt(V)`` shrinks like ``exp(-k kappa t)``; slower where speeds end."""
-    kappa = found.certified_kappa
-    speed = _speed(found, scene)
+    kappa = feedback.certified_kappa
+    speed = _speed(feedback, scene)
     if kappa is None:
         yield from (Fact("rate", Quantity(None)), Fact("speed", Quantity(None)))
         return
-    words = f"with gain k the error halves at least every {half_life(kappa)}/k s, {_from_where(found, scene)}"
+    words = f"with gain k the error halves at least every {half_life(kappa)}/k s, {_from_where(feedback, scene)}"
     yield Fact("rate", Quantity(kappa), words)
     unit = scene.units.speed or "per s"
     how = "at a speed that is not known" if speed is None else f"at {lower_text(speed, 4)} {unit} or faster"
@@ -84,19 +84,19 @@ def _rate(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
     yield Fact("speed", Quantity(speed), slower)
 
 
-def _from_where(found: AnyFeedback, scene: Scene) -> str:
+def _from_where(feedback: AnyFeedback, scene: Scene) -> str:
     """From which errors the rate is certified: those below the root of a level of V, where one is known.
 
     Of imposed twists that is the level that fits into the square in which speeds impose them.
     """
-    if not isinstance(found, FeedbackResult):
-        reach = found.reach
+    if not isinstance(feedback, FeedbackResult):
+        reach = feedback.reach
         return NEARBY if reach is None else f"from errors below {lower_text(reach, DIGITS)}{scene.units.after_length}"
-    level = found.rate_level
+    level = feedback.rate_level
     if level is None:
         return NEARBY
     text = f"from errors below {_root_text(level, scene)}"
-    whole = found.region.level if isinstance(found.region, LevelRegion) else level
+    whole = feedback.region.level if isinstance(feedback.region, LevelRegion) else level
     return (
         text if whole == level else f"{text} (from those below {_root_text(whole, scene)} it falls, how fast is open)"
     )
@@ -108,40 +108,40 @@ def _root_text(level: Fraction, scene: Scene) -> str:
     return f"{lower_text(root, DIGITS)}{scene.units.after_length}"
 
 
-def _speed(found: AnyFeedback, scene: Scene) -> Fraction | None:
+def _speed(feedback: AnyFeedback, scene: Scene) -> Fraction | None:
     """With which sqrt(V) falls at least where speeds are limited; None without limits, and where it is not known."""
     if not scene.speed_limits:
         return None
-    if isinstance(found, FeedbackResult):
-        return None if found.limited is None else found.limited.speed
-    return limited_speed(found, scene)
+    if isinstance(feedback, FeedbackResult):
+        return None if feedback.limited is None else feedback.limited.speed
+    return limited_speed(feedback, scene)
 
 
-def _wheel_speed(found: AnyFeedback, scene: Scene) -> Fact:
+def _wheel_speed(feedback: AnyFeedback, scene: Scene) -> Fact:
     """The speed of the fastest rim at gain k = 1 for each unit of the error sqrt(V)."""
-    bound = wheel_speed(found, scene) if found.verdict is Feedback.STABILIZABLE else None
-    error = certified_error(found)
+    bound = wheel_speed(feedback, scene) if feedback.verdict is Feedback.STABILIZABLE else None
+    error = certified_error(feedback)
     if bound is None or (bound.by_level and error is None):
         return Fact("wheel_speed", Quantity(None))
     fastest = bound.by_root + bound.by_level * (error or 0)
-    units, heading = scene.units, found.lyapunov.length
+    units, heading = scene.units, feedback.lyapunov.length
     speed = f"{upper_text(fastest, 4)} k{units.after_speed}"
     words = f"its wheels run at up to {speed} for each {units.length or 'unit'} of error"
     if heading is None:
-        words += f", the square root of {found.lyapunov}"
+        words += f", the square root of {feedback.lyapunov}"
     elif heading != 1:
         words += f" (a radian counts as {float_text(heading, 4)}{units.after_length})"
     return Fact("wheel_speed", float(fastest), words)
 
 
-def _why_not(found: AnyFeedback) -> str:
-    if found.verdict is Feedback.NOT_APPLICABLE:
-        return f"not examined: {found.reason}"
-    if BY_ROUNDING in found.reason:
+def _why_not(feedback: AnyFeedback) -> str:
+    if feedback.verdict is Feedback.NOT_APPLICABLE:
+        return f"not examined: {feedback.reason}"
+    if BY_ROUNDING in feedback.reason:
         return f"rounding decides{WHY_BELOW}"
-    if found.obstruction is None:
+    if feedback.obstruction is None:
         return f"no law was found, and none is excluded{WHY_BELOW}"
-    turns = not any(found.obstruction[:2])
+    turns = not any(feedback.obstruction[:2])
     what = "no speeds turn the body" if turns else "the wheels cannot push it in every direction"
     return f"{what} near the point, so no law of the pose alone holds it"
 
@@ -149,12 +149,12 @@ def _why_not(found: AnyFeedback) -> str:
 # ---- a pose that is late and wrong ---------------------------------------------------------------
 
 
-def late_and_wrong(found: AnyFeedback, errors: LoopErrors, scene: Scene) -> Fact:
+def late_and_wrong(feedback: AnyFeedback, errors: LoopErrors, scene: Scene) -> Fact:
     """The ultimate bound of the loop at gain k = 1, in the scene's unit of length, or why there is none."""
-    if isinstance(found, FeedbackResult):
+    if isinstance(feedback, FeedbackResult):
         bound = UltimateBound(Certainty.UNDECIDED, BY_CELLS)
     else:
-        bound = ultimate_bound(found, errors)
+        bound = ultimate_bound(feedback, errors)
     length = scene.check.length
     within, start = (None if value is None else value * length for value in (bound.radius, bound.level))
     record = {

@@ -53,13 +53,13 @@ def position_answer(scene: Scene, results: Results, *, may_look: bool = True) ->
         results: the clauses' results by name.
         may_look: whether to ask where bodies end; not where what is said contradicts itself.
     """
-    verdict, found = _by_clauses(results), None
+    verdict, near = _by_clauses(results), None
     if (verdict is Position.COMES_HOME and not _is_beside(results)) or not may_look:
         verdict = Position.UNDECIDED if verdict is Position.LEAVES else verdict
     else:
-        found = nearness(scene, results)
-        verdict = _to_the_accuracy(verdict, found)
-    facts = (*_without_inertia(scene, _facts(scene, results, verdict, found)), *_until_others(scene, results, verdict))
+        near = nearness(scene, results)
+        verdict = _to_the_accuracy(verdict, near)
+    facts = (*_without_inertia(scene, _facts(scene, results, verdict, near)), *_until_others(scene, results, verdict))
     return Answer("position", verdict, facts)
 
 
@@ -72,11 +72,11 @@ def _until_others(scene: Scene, results: Results, verdict: Position) -> Iterator
 
 def _without_inertia(scene: Scene, facts: Iterable[Fact]) -> tuple[Fact, ...]:
     """The same, with words that say of which body they are, where one with inertia is spoken of beside it."""
-    found = list(facts)
-    first = next((k for k, fact in enumerate(found) if fact.words), None)
+    stated = list(facts)
+    first = next((k for k, fact in enumerate(stated) if fact.words), None)
     if first is not None and has_dynamics(scene):
-        found[first] = replace(found[first], words=f"without inertia: {found[first].words}")
-    return tuple(found)
+        stated[first] = replace(stated[first], words=f"without inertia: {stated[first].words}")
+    return tuple(stated)
 
 
 def _by_clauses(results: Results) -> Position:
@@ -94,15 +94,15 @@ def _is_beside(results: Results) -> bool:
     return getattr(results["equilibrium"], "rounding_distance", None) is not None
 
 
-def _to_the_accuracy(by_clauses: Position, found: Nearness) -> Position:
+def _to_the_accuracy(by_clauses: Position, near: Nearness) -> Position:
     """The verdict with what is shown of the ends: that a body leaves the point itself is not enough for "leaves"."""
-    if found.rests_within is not None:
+    if near.rests_within is not None:
         return Position.COMES_HOME
-    if found.comes_near:
+    if near.comes_near:
         return Position.COMES_NEAR
-    if by_clauses is Position.STAYS_NEAR or found.turning is not None:
+    if by_clauses is Position.STAYS_NEAR or near.turning is not None:
         return Position.STAYS_NEAR
-    return Position.LEAVES if found.leaves else Position.UNDECIDED
+    return Position.LEAVES if near.leaves else Position.UNDECIDED
 
 
 def _translation(results: Results) -> AnyTranslation:
@@ -111,23 +111,23 @@ def _translation(results: Results) -> AnyTranslation:
 
 def _facts(scene: Scene, results: Results, verdict: Position, looked: Nearness | None) -> Iterator[Fact]:
     """How near, how far and how fast; the keys are the same for every verdict."""
-    found, unit = _translation(results), scene.units.after_length
+    translation, unit = _translation(results), scene.units.after_length
     yield Fact("accuracy", Quantity(_short(scene.accuracy)))
     if looked is not None and looked.rests_within is not None:
-        yield from _coming_beside(scene, looked, looked.rests_within, found.exponential_rate, unit)
+        yield from _coming_beside(scene, looked, looked.rests_within, translation.exponential_rate, unit)
         return
     if verdict is Position.COMES_HOME:
         yield from _place(scene, Quantity(Fraction(0)), (Fraction(0), Fraction(0)))
-        yield from _homecoming(scene, found, unit)
-        yield said(found.support_note)
-        if isinstance(found, EllipseTranslation) and not has_dynamics(scene):
-            yield said(mass_words(found.mass, scene.units))
+        yield from _homecoming(scene, translation, unit)
+        yield said(translation.support_note)
+        if isinstance(translation, EllipseTranslation) and not has_dynamics(scene):
+            yield said(mass_words(translation.mass, scene.units))
         return
     ends = None if looked is None else looked.ends
     if verdict is Position.COMES_NEAR and ends is not None:
         yield from _coming_near(scene, ends, unit)
         return
-    stays = found.region_radius if verdict is Position.STAYS_NEAR else None
+    stays = translation.region_radius if verdict is Position.STAYS_NEAR else None
     out_after = None if looked is None else looked.out_after
     yield from _place(scene, Quantity(None), None if ends is None else ends.at)
     yield Fact("after", Quantity(out_after if ends is None else Fraction(at_most(ends.after))))
@@ -141,7 +141,7 @@ def _facts(scene: Scene, results: Results, verdict: Position, looked: Nearness |
         yield said(_away(scene, looked, unit))
     else:
         yield said(_plainly(scene, verdict, results, unit, looked))
-    yield said(found.support_note)
+    yield said(translation.support_note)
 
 
 def _place(scene: Scene, ends_within: Quantity, offset: tuple[Fraction, Fraction] | None) -> Iterator[Fact]:
@@ -260,9 +260,9 @@ def _turning(turning: Turning, unit: str) -> str:
     return f"{start} gets at most {farther} farther away: it turns about a place within {away} of it"
 
 
-def _homecoming(scene: Scene, found: AnyTranslation, unit: str) -> Iterator[Fact]:
+def _homecoming(scene: Scene, translation: AnyTranslation, unit: str) -> Iterator[Fact]:
     """From how far, how far away the body gets on its way, and how long it takes at most."""
-    seconds, within, swing = found.arrival_per_distance, found.home_radius, found.swing_radius
+    seconds, within, swing = translation.arrival_per_distance, translation.home_radius, translation.swing_radius
     yield Fact("after", Quantity(None if seconds is None or within is None else seconds * within))
     if within is None or swing is None:
         yield from _from_discs(homecoming(scene), unit)
@@ -274,10 +274,10 @@ def _homecoming(scene: Scene, found: AnyTranslation, unit: str) -> Iterator[Fact
         yield Fact("seconds_per_distance", Quantity(None))
     else:
         words = f"it arrives within {at_most(seconds)} s for each 1{unit} of distance"
-        words += "" if found.quadratic is None else " (a bound, often loose)"
+        words += "" if translation.quadratic is None else " (a bound, often loose)"
         yield Fact("seconds_per_distance", Quantity(seconds), words)
-    yield _rate(found.exponential_rate)
-    yield Fact("stays_within", Quantity(found.region_radius))
+    yield _rate(translation.exponential_rate)
+    yield Fact("stays_within", Quantity(translation.region_radius))
 
 
 def _rate(rate: Real | None) -> Fact:

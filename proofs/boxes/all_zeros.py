@@ -109,10 +109,10 @@ def _image(equations: Map, box: Box) -> tuple[Box, bool]:
 def _refined(equations: Map, image: Box, region: Box) -> Box:
     """A smaller box about the one zero in a box."""
     centre = newton(equations, arb_mat([[side.mid()] for side in image]), NEWTON_STEPS)
-    found = None if centre is None else isolated_zero(equations, centre)
-    if found is None or not all(a.contains(b) for a, b in zip(region, found.entries(), strict=True)):
+    zero = None if centre is None else isolated_zero(equations, centre)
+    if zero is None or not all(a.contains(b) for a, b in zip(region, zero.entries(), strict=True)):
         return image
-    return [a.intersection(b) for a, b in zip(image, found.entries(), strict=True)]
+    return [a.intersection(b) for a, b in zip(image, zero.entries(), strict=True)]
 
 
 def _keep(result: Zeros, zero: Box, region: Box, box: Box) -> None:

@@ -333,9 +333,9 @@ class BalancedForces:
 
 def _row_by_row(entries: Floats) -> Floats:
     """Entries of all wheels by row (n, 2, ...), each row alone, the other one zero: those along, then those across."""
-    found = np.zeros((2, *entries.shape))
-    found[0, :, 0], found[1, :, 0] = entries[:, 0], entries[:, 1]
-    return found.reshape(-1, *entries.shape[1:])
+    rows = np.zeros((2, *entries.shape))
+    rows[0, :, 0], rows[1, :, 0] = entries[:, 0], entries[:, 1]
+    return rows.reshape(-1, *entries.shape[1:])
 
 
 # ---- loads over a box ----------------------------------------------------------------------------

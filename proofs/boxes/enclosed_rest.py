@@ -105,10 +105,10 @@ class Balance:
     def at_rest(self, z: arb_mat) -> tuple[arb_mat, arb_mat] | None:
         """The equations for a body that rests, and their derivative by ``z = (c_x, c_y, omega, f)``."""
         x, y, omega, *_ = z.entries()
-        found = self.at(unknowns_at_rest(z), (x, y))
-        if found is None:
+        equations = self.at(unknowns_at_rest(z), (x, y))
+        if equations is None:
             return None
-        value, bend, by_place = found
+        value, bend, by_place = equations
         through = arb_mat(self.size, self.size, bend.entries())
         for k in range(self.size):
             by_vx, by_vy, by_omega = (bend[k, j] for j in range(3))
@@ -230,8 +230,8 @@ def isolated_rest(balance: Balance, centre: arb_mat) -> EnclosedRest | None:
     if box is None:
         return None
     x, y, omega, *_ = box.entries()
-    found = balance.at(unknowns_at_rest(box), (x, y))
-    slope = None if found is None else slope_of_pose_rate(found[1], found[2], (x, y), omega)
+    equations = balance.at(unknowns_at_rest(box), (x, y))
+    slope = None if equations is None else slope_of_pose_rate(equations[1], equations[2], (x, y), omega)
     return None if slope is None else EnclosedRest((x, y), omega, slope, balance, box.mid())
 
 
@@ -273,16 +273,16 @@ def enclosed_motion(balance: Balance, near: arb_mat, place: Sequence[arb]) -> tu
     """
 
     def equations(unknowns: arb_mat, there: Sequence[arb]) -> tuple[arb_mat, arb_mat] | None:
-        found = balance.at(unknowns, there)
-        return None if found is None else found[:2]
+        enclosed = balance.at(unknowns, there)
+        return None if enclosed is None else enclosed[:2]
 
     middle = [entry.mid() for entry in place]
     start = newton(lambda unknowns: equations(unknowns, middle), near, NEWTON_STEPS, last=CENTRED)
     unknowns = None if start is None else isolated_zero(lambda unknowns: equations(unknowns, place), start)
-    found = None if unknowns is None else balance.at(unknowns, place)
-    if unknowns is None or found is None:
+    enclosed = None if unknowns is None else balance.at(unknowns, place)
+    if unknowns is None or enclosed is None:
         return None
-    slope = slope_of_pose_rate(found[1], found[2], place, unknowns[2, 0])
+    slope = slope_of_pose_rate(enclosed[1], enclosed[2], place, unknowns[2, 0])
     return None if slope is None else (unknowns, slope)
 
 

@@ -92,11 +92,11 @@ def newton(equations: Map, point: arb_mat, steps: int, *, last: float = 0.0) -> 
         last: a step that is shorter than this share of the point is the last.
     """
     for _ in range(steps):
-        found = equations(point)
-        inverse = None if found is None else approximate_inverse(found[1])
-        if found is None or inverse is None:
+        value_and_slope = equations(point)
+        inverse = None if value_and_slope is None else approximate_inverse(value_and_slope[1])
+        if value_and_slope is None or inverse is None:
             return None
-        step = inverse * found[0]
+        step = inverse * value_and_slope[0]
         point = (point - step).mid()
         if last and max(map(abs, map(float, step.entries()))) < last * max(map(abs, map(float, point.entries()))):
             break
@@ -122,17 +122,17 @@ def isolated_zero(equations: Map, centre: arb_mat) -> arb_mat | None:
         equations: the map with its Jacobian.
         centre: an approximate zero.
     """
-    found = equations(centre)
-    inverse = None if found is None else approximate_inverse(found[1])
-    if found is None or inverse is None:
+    value_and_slope = equations(centre)
+    inverse = None if value_and_slope is None else approximate_inverse(value_and_slope[1])
+    if value_and_slope is None or inverse is None:
         return None
-    origin, image = arb_mat(centre.nrows(), 1), inverse * found[0] * arb(-1)
+    origin, image = arb_mat(centre.nrows(), 1), inverse * value_and_slope[0] * arb(-1)
     for _ in range(INFLATIONS):
         box = arb_mat([[(GROWTH * abs(entry).upper() + LEAST) * UNIT] for entry in image.entries()])
         over = equations(centre + box)
         if over is None:
             return None
-        image = krawczyk(origin, found[0], inverse, over[1], box)
+        image = krawczyk(origin, value_and_slope[0], inverse, over[1], box)
         if lies_inside(image, box):
             return centre + image
     return None

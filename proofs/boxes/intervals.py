@@ -99,9 +99,9 @@ class Intervals:
         """All numbers where the divisor may be zero."""
         with np.errstate(divide="ignore", invalid="ignore"):
             inverse = _outward(1 / other.high, 1 / other.low)
-            found = self * inverse
+            product = self * inverse
         low, high = (
-            np.where(other.holds_zero, end, ends) for end, ends in ((-np.inf, found.low), (np.inf, found.high))
+            np.where(other.holds_zero, end, ends) for end, ends in ((-np.inf, product.low), (np.inf, product.high))
         )
         return Intervals(low, high)
 
@@ -135,13 +135,13 @@ class Intervals:
     def square(self) -> Intervals:
         """The squares of all numbers inside."""
         size = abs(self)
-        found = _outward(size.low * size.low, size.high * size.high)
-        return Intervals(np.maximum(found.low, 0.0), found.high)
+        squares = _outward(size.low * size.low, size.high * size.high)
+        return Intervals(np.maximum(squares.low, 0.0), squares.high)
 
     def sqrt(self) -> Intervals:
         """The square roots of all numbers inside that are not negative."""
-        found = _outward(np.sqrt(np.maximum(self.low, 0.0)), np.sqrt(np.maximum(self.high, 0.0)))
-        return Intervals(np.maximum(found.low, 0.0), found.high)
+        roots = _outward(np.sqrt(np.maximum(self.low, 0.0)), np.sqrt(np.maximum(self.high, 0.0)))
+        return Intervals(np.maximum(roots.low, 0.0), roots.high)
 
     def __abs__(self) -> Intervals:
         low = np.where(self.holds_zero, 0.0, np.minimum(np.abs(self.low), np.abs(self.high)))

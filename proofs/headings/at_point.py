@@ -188,11 +188,11 @@ def point_headings(here: HeadingsAt) -> EquilibriumHeadings:
     for k, cluster in enumerate(edges):
         tell_count(k, len(edges), "headings with a wheel under the edge")
         with ctx.workprec(PRECISION):
-            found = _at_edge(here, cluster, sectors[k - 1], sectors[k])
-        if isinstance(found, SampledRest):
-            singles.append(found)
-        elif found is not None:
-            left.append(found)
+            rest = _at_edge(here, cluster, sectors[k - 1], sectors[k])
+        if isinstance(rest, SampledRest):
+            singles.append(rest)
+        elif rest is not None:
+            left.append(rest)
     staying = tuple(sector for sector in sectors if sector.stay.is_equilibrium)
     return EquilibriumHeadings(staying, tuple(left), tuple(singles))
 
@@ -244,10 +244,10 @@ def _moves_off(here: HeadingsAt, cluster: HeadingCluster, inside: Wheels) -> boo
     subsets = chain.from_iterable(combinations(numbers, k) for k in range(len(numbers) + 1))
     rates: list[arb_mat] = []
     for some in subsets:
-        found = here.stays.rates(sorted((*inside, *some)))
-        if found is None:
+        motions = here.stays.rates(sorted((*inside, *some)))
+        if motions is None:
             return False
-        rates += found
+        rates += motions
     way = _shortest(rates)
     return all((rate * way)[0, 0] > 0 for rate in rates)
 
@@ -345,24 +345,24 @@ def _sampled(scene: Scene, rest: SeenRest, reason: str) -> SampledRest:
     return SampledRest(rest.place, rest.theta, wheels, edge, reason)
 
 
-def _intervals_of(scene: Scene, found: SeenRest) -> list[RestInterval]:
+def _intervals_of(scene: Scene, rest: SeenRest) -> list[RestInterval]:
     """The intervals of one candidate: its exact point, and the headings at which its wheels carry."""
     try:
         with work_limit(scene.field, UNITS):
-            points = list(_exact_points(scene, found))
+            points = list(_exact_points(scene, rest))
     except (RefusalError, SceneError, WorkLimitError):
         return []
-    wheels = tuple(scene.wheels[k].index for k in found.wheels)
+    wheels = tuple(scene.wheels[k].index for k in rest.wheels)
     sectors = [sector for point in points[:1] for sector in HeadingsAt(scene, point).sectors(wheels)]
     return [sector for sector in sectors if sector.stay.is_equilibrium]
 
 
-def _exact_points(scene: Scene, found: SeenRest) -> Iterator[Vector]:
+def _exact_points(scene: Scene, rest: SeenRest) -> Iterator[Vector]:
     """Where forces balance on these wheels, for each form that the loads have near the sampled point."""
-    if any(scene.wheels[k].axis is not None for k in found.wheels):
+    if any(scene.wheels[k].axis is not None for k in rest.wheels):
         return  # forces along friction axes are no numbers of the scene
-    near = tuple(scene.field(Fraction(value).limit_denominator(NEAR)) for value in found.place)
-    wheels = tuple(replace(scene.wheels[k], index=number) for number, k in enumerate(found.wheels, 1))
+    near = tuple(scene.field(Fraction(value).limit_denominator(NEAR)) for value in rest.place)
+    wheels = tuple(replace(scene.wheels[k], index=number) for number, k in enumerate(rest.wheels, 1))
     there = replace(scene, wheels=wheels, body=None, check=replace(scene.check, equilibrium=(near[0], near[1])))
     small = replace(there.check, radius=scene.field(Fraction(1, NEAR)))
     for region in load_regions(replace(there, check=small), there.check.equilibrium):

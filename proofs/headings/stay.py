@@ -261,8 +261,8 @@ def set_motion(
     held = {n: 2 for n, k in enumerate(rubbing) if guess.stuck[k]}
     balance = Balance(part, LoadBox(tuple(springs.forms[k] for k in rubbing)), held)
     start = [*guess.twist, *[0.0] * (balance.size - 3)]
-    found = enclosed_motion(balance, arb_mat([[arb(value)] for value in start]), centre)
-    if found is None:
+    enclosed = enclosed_motion(balance, arb_mat([[arb(value)] for value in start]), centre)
+    if enclosed is None:
         return None
-    vx, vy, omega = found[0].entries()[:3]
-    return EnclosedMotion(centre, (vx, vy, omega), found[1])
+    vx, vy, omega = enclosed[0].entries()[:3]
+    return EnclosedMotion(centre, (vx, vy, omega), enclosed[1])

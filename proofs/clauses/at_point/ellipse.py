@@ -330,12 +330,12 @@ def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint
     rates = dict.fromkeys((*spin_candidates(scene, region), *_held_rates(scene, region))) if carried is None else ()
     resting = _in_balls(scene, region)
     for twist in [carried] if carried is not None else [Twist(zero, zero, rate) for rate in rates]:
-        found = None if _is_no_minimizer(resting, twist) else motion_with(scene, region, twist)
-        if found is not None and found.linearization is not None and len(here) > 1:
-            reason = f"{found.reason}; the loads change their form at the equilibrium, so there is no linearization"
-            return replace(found, linearization=None, reason=reason)
-        if found is not None:
-            return found
+        point = None if _is_no_minimizer(resting, twist) else motion_with(scene, region, twist)
+        if point is not None and point.linearization is not None and len(here) > 1:
+            reason = f"{point.reason}; the loads change their form at the equilibrium, so there is no linearization"
+            return replace(point, linearization=None, reason=reason)
+        if point is not None:
+            return point
     open_point = EllipsePoint(scene, region, Situation.OPEN, None, held_forces(scene, region, zero), None, "")
     if _is_moved(resting):
         reason = "the translation part of the gradient of D stays away from zero for every spin"

@@ -81,8 +81,8 @@ def possible_twists(scene: Scene) -> tuple[PossibleTwist, ...]:
     states: dict[Twist, ContactState] = {}
     for state in regular_states(scene):
         states.setdefault(state.twist, state)
-    found = ((state, _places(scene, twist)) for twist, state in states.items())
-    return tuple(PossibleTwist(state, corners) for state, corners in found if corners)
+    places = ((state, _places(scene, twist)) for twist, state in states.items())
+    return tuple(PossibleTwist(state, corners) for state, corners in places if corners)
 
 
 @dataclass(frozen=True)

@@ -158,7 +158,7 @@ class WheelForces:
 
 def wheel_forces(scene: Scene, region: LoadRegion, twist: Triple) -> tuple[WheelForces, ...]:
     """The wheels that are loaded at the centred equilibrium, while the body moves with a twist."""
-    found: list[WheelForces] = []
+    forces: list[WheelForces] = []
     rule = smooth_rule_of(scene)
     for wheel, form in zip(scene.wheels, region.forces, strict=True):
         if form[0]:
@@ -166,8 +166,8 @@ def wheel_forces(scene: Scene, region: LoadRegion, twist: Triple) -> tuple[Wheel
             limits = rule.friction_set(wheel.friction)
             along = scaled(roll.unit_normal, form[0] * limits.along)
             across = scaled(side.unit_normal, form[0] * limits.across)
-            found.append(WheelForces(wheel.index, along, across, inner(side.normal, twist).sign(), limits))
-    return tuple(found)
+            forces.append(WheelForces(wheel.index, along, across, inner(side.normal, twist).sign(), limits))
+    return tuple(forces)
 
 
 def on_circle(t: Coordinate, side: int) -> tuple[Coordinate, Coordinate]:
@@ -354,10 +354,10 @@ class ExclusionSearch:
         rows = np.hstack([np.concatenate(forces), largest])
         cost = np.concatenate([np.zeros(3), np.ones(len(arcs))])
         bounds = [(-1, 1)] * 3 + [(None, None)] * len(arcs)
-        found = solve_program(cost, A_ub=rows, b_ub=np.zeros(len(rows)), bounds=bounds)
-        if found.x is None or found.fun >= 0:
+        solution = solve_program(cost, A_ub=rows, b_ub=np.zeros(len(rows)), bounds=bounds)
+        if solution.x is None or solution.fun >= 0:
             return None
-        return [rounded(x) / unit for x, unit in zip(found.x[:3], self.units, strict=True)]
+        return [rounded(x) / unit for x, unit in zip(solution.x[:3], self.units, strict=True)]
 
     def _forces_of(self, k: int, arc: Arc) -> Floats:
         """The corners of a polygon around the forces of a wheel, (m, 3); of the arcs of a search only one changes."""

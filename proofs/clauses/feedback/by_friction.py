@@ -231,25 +231,25 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
     return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked, scene, beyond=beyond)
 
 
-def decided_around(found: DrivenFeedback, distance: Fraction) -> DrivenFeedback:
+def decided_around(feedback: DrivenFeedback, distance: Fraction) -> DrivenFeedback:
     """What was decided at the checked point, where the same is so about every point that near; else undecided.
 
     The speeds, and the rate, stay those about the checked point: about others they differ as little as the points.
 
     Args:
-        found: the decision at the point, of loads that are known, under a rule without cells.
+        feedback: the decision at the point, of loads that are known, under a rule without cells.
         distance: of a place of rest from the point, at most.
     """
-    if found.beyond is not None:
-        return replace(found, beyond=decided_around(found.beyond, distance))
-    if found.verdict is Feedback.UNDECIDED or _holds_around(found, distance):
-        return found
-    return found.undecided(BESIDE_OPEN)
+    if feedback.beyond is not None:
+        return replace(feedback, beyond=decided_around(feedback.beyond, distance))
+    if feedback.verdict is Feedback.UNDECIDED or _holds_around(feedback, distance):
+        return feedback
+    return feedback.undecided(BESIDE_OPEN)
 
 
-def _holds_around(found: DrivenFeedback, distance: Fraction) -> bool:
+def _holds_around(feedback: DrivenFeedback, distance: Fraction) -> bool:
     """Whether the twists of a law are imposed, or those off its plane excluded, with the body at all places so near."""
-    scene = found.scene
+    scene = feedback.scene
     with ctx.workprec(PRECISION):
         forms, disc = load_box(scene, arb(0)), ball_of(distance) * UNIT
         loads = [] if forms is None else forms.at((disc, disc))
@@ -257,12 +257,12 @@ def _holds_around(found: DrivenFeedback, distance: Fraction) -> bool:
             return False
         pairs = zip(scene.wheels, loads, forms.forms, strict=True)
         shares = {wheel.index: load / form[0] for wheel, load, form in pairs}
-    if found.verdict is Feedback.NO_CERTIFICATE:
-        off = [candidate for candidate in found.candidates if candidate.is_excluded]
+    if feedback.verdict is Feedback.NO_CERTIFICATE:
+        off = [candidate for candidate in feedback.candidates if candidate.is_excluded]
         return all(isinstance(one, BalancedTwist) and exclude_twist(one.around(shares)).is_excluded for one in off)
-    if found.reach is not None:
-        return all(cone.rays is None for cone in found.cones) and found.reach > distance
-    twists = [twist for cone in found.cones for twist in cone.twists]
+    if feedback.reach is not None:
+        return all(cone.rays is None for cone in feedback.cones) and feedback.reach > distance
+    twists = [twist for cone in feedback.cones for twist in cone.twists]
     return all(isinstance(twist, BalancedTwist) and twist.around(shares).is_unique for twist in twists)
 
 
@@ -299,9 +299,9 @@ def _decide_for_every_load(scene: Scene, length: Fraction) -> DrivenFeedback:
             return replace(without, reason=ON_LEVEL_SPRINGS.format(without.reason))
         why = without.reason
     else:
-        found = search_law(scene, unique)
-        if found is not None:
-            cone, law = found
+        cone_and_law = search_law(scene, unique)
+        if cone_and_law is not None:
+            cone, law = cone_and_law
             reason = FOR_EVERY_LOAD.format(lower_text(1 - law.slack, 3))
             return replace(_stabilizable(reason, scene, (cone,)), every_load=law)
         why = "some speeds impose three independent twists"
@@ -311,12 +311,12 @@ def _decide_for_every_load(scene: Scene, length: Fraction) -> DrivenFeedback:
 def _imposed(scene: Scene) -> list[ImposedTwist]:
     """Twists that some speeds impose as the only minimizer, forces and boxes inside friction sets together."""
     boxed = None if has_cells(scene) else inscribed_boxes(scene)
-    found = []
+    imposed = []
     for each in (scene, boxed):
         if each is not None:
             candidates, _ = candidates_of(each, _regions_at(each)[0], ENOUGH_FOR_EVERY_LOAD)
-            found += unique_ones(candidates)
-    return found
+            imposed += unique_ones(candidates)
+    return imposed
 
 
 def _decide(scene: Scene, length: Fraction) -> DrivenFeedback:
@@ -324,13 +324,13 @@ def _decide(scene: Scene, length: Fraction) -> DrivenFeedback:
 
     What forces leave open, boxes inside the friction sets may prove.
     """
-    found = _decide_by_twists(scene, length)
+    feedback = _decide_by_twists(scene, length)
     boxed = None
-    if found.verdict is Feedback.UNDECIDED and not has_cells(scene):
+    if feedback.verdict is Feedback.UNDECIDED and not has_cells(scene):
         boxed = inscribed_boxes(scene)
-    inside = found if boxed is None else _decide_by_twists(boxed, length)
-    if inside is found or inside.verdict is not Feedback.STABILIZABLE:
-        return found
+    inside = feedback if boxed is None else _decide_by_twists(boxed, length)
+    if inside is feedback or inside.verdict is not Feedback.STABILIZABLE:
+        return feedback
     return replace(inside, reason=IN_BOXES.format(inside.reason))
 
 

@@ -398,13 +398,13 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
         reason = "c . d_i has one strict sign on every closed cell at the equilibrium, so u = -k (a, b) gives V* < 0"
         rate = certified_rate(inputs, squares)
         return FeedbackResult(Feedback.STABILIZABLE, reason, inputs, lyapunov=squares, rate=rate)
-    found = []
+    rated = []
     for shape in find_shapes(inputs.sign_conditions):
         lyapunov = balanced(inputs, shape)
-        found.append((certified_rate(inputs, lyapunov), lyapunov))
-    if not found:
+        rated.append((certified_rate(inputs, lyapunov), lyapunov))
+    if not rated:
         return _by_cascade(inputs, *stalling, squares)
-    rate, lyapunov = max(found, key=lambda entry: 0 if entry[0] is None else entry[0].kappa)
+    rate, lyapunov = max(rated, key=lambda entry: 0 if entry[0] is None else entry[0].kappa)
     reason = (
         "c^T P d_i has one strict sign on every closed cell at the equilibrium, "
         f"while c . d_i vanishes in cell {stalling[0].cell.index}"

@@ -126,9 +126,9 @@ def find_cascade(fan: Sequence[CellCone]) -> CascadeLaw | None:
     if not sectors:
         return None  # one wheel is the nearest all around: only its rim's line can be followed
     for signs in _proposals(sectors, wheels):
-        found = _judged(_field(sectors, wheels, signs), wheels, signs)
-        if found is not None:
-            return found
+        law = _judged(_field(sectors, wheels, signs), wheels, signs)
+        if law is not None:
+            return law
     return None
 
 

@@ -194,9 +194,9 @@ def _imposed_twists(feedback: AnyFeedback, scene: Scene) -> Iterator[Fact]:
         yield from _rate_words(feedback, feedback.certified_kappa, where)
     yield Fact("sampled", [_sample_record(sample) for sample in feedback.samples])
     for sample in feedback.samples:
-        found = f"largest V'/V found {sample.rate_text} k over {sample.states} states"
+        rate = f"largest V'/V found {sample.rate_text} k over {sample.states} states"
         if sample.worst_rate is not None:
-            yield said(f"{sample.law} (sampled): {found}", explained=True)
+            yield said(f"{sample.law} (sampled): {rate}", explained=True)
         if sample.not_certified:
             yield said(f"{sample.law} (sampled): largest V'/V not certified: {sample.not_certified}", explained=True)
 
@@ -249,14 +249,14 @@ class FeedbackClause(Clause[AnyFeedback]):
         Two laws are sampled where the clause stays undecided, or when nothing is to be left out.
         """
         if work.rule.keeps_rows and work.partition is not None:
-            found = decide_feedback(work.partition)
+            feedback = decide_feedback(work.partition)
             # what rounding decides of these counts for the clause; and what is shown beside the verdicts is built while
             # the field holds few square roots: over many, numbers are written as balls
             if work.sample or work.scene.field.measured:
-                _ = found.margin, found.region, found.limited
-            if found.verdict is Feedback.NOT_APPLICABLE:
-                work.skip("feedback search", 1, found.reason)
-            return found
+                _ = feedback.margin, feedback.region, feedback.limited
+            if feedback.verdict is Feedback.NOT_APPLICABLE:
+                work.skip("feedback search", 1, feedback.reason)
+            return feedback
         return _driven(work)
 
     def undecided(self, result: AnyFeedback, reason: str) -> AnyFeedback:
@@ -301,12 +301,12 @@ def _driven(work: Workspace) -> DrivenFeedback:
 
     at_point = decide_driven_feedback(work.scene)
     distance = getattr(work.earlier["equilibrium"], "rounding_distance", None)
-    found = at_point if distance is None else decided_around(at_point, distance)
-    if found.holding.reason == BESIDE_OPEN:
+    feedback = at_point if distance is None else decided_around(at_point, distance)
+    if feedback.holding.reason == BESIDE_OPEN:
         work.by_rounding.add(FeedbackClause.name)
-    if found.verdict is Feedback.NOT_APPLICABLE or work.leaves_loads_open:
-        return found
-    if found.verdict is Feedback.UNDECIDED or not work.prune:
-        return with_samples(found, work.scene)
+    if feedback.verdict is Feedback.NOT_APPLICABLE or work.leaves_loads_open:
+        return feedback
+    if feedback.verdict is Feedback.UNDECIDED or not work.prune:
+        return with_samples(feedback, work.scene)
     work.skip("samples of the closed loop", 2, "the feedback clause is decided exactly")
-    return found
+    return feedback

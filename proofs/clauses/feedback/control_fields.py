@@ -429,15 +429,15 @@ def shape_regions(sign_conditions: Sequence[StrictSignCondition]) -> list[tuple[
     """
     zero = sign_conditions[0].direction[0].field.zero
     start = square((zero, zero), zero + 1)
-    found: list[tuple[tuple[int, ...], Polygon]] = [((), start)]
+    regions: list[tuple[tuple[int, ...], Polygon]] = [((), start)]
     for sign_condition in sign_conditions:
-        before, found = found, []
+        before, regions = regions, []
         for signs, polygon in before:
             for side in (1, -1):
                 part = clipped_by(polygon, sign_condition.half_planes(side))
                 if part is not None and _meets_disc(part):
-                    found.append(((*signs, side), part))
-    return found
+                    regions.append(((*signs, side), part))
+    return regions
 
 
 def find_shapes(sign_conditions: Sequence[StrictSignCondition]) -> Iterator[Shape]:

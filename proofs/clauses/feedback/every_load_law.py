@@ -170,15 +170,15 @@ def _proposals(
 ) -> list[_Proposal]:
     """The most promising choices of three twists, the best first."""
     twists, motions = _floats(unique), [_motions(scene, imposed, wheels, loads) for imposed in unique]
-    found = []
+    proposals = []
     for chosen in combinations(range(len(unique)), 3):
         three = twists[list(chosen)]
         kappa = float(least_products(three[None])[0])
         if kappa < FLATTEST:
             continue
         slack = max(_slack(three, k, motions[index]) for k, index in enumerate(chosen))
-        found.append(_Proposal(tuple(unique[k] for k in chosen), kappa, slack))
-    promising = sorted(found, key=lambda proposal: -proposal.rate)
+        proposals.append(_Proposal(tuple(unique[k] for k in chosen), kappa, slack))
+    promising = sorted(proposals, key=lambda proposal: -proposal.rate)
     return [proposal for proposal in promising[:TRIED] if proposal.slack < 1]
 
 

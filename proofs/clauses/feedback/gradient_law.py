@@ -228,13 +228,13 @@ def balanced(inputs: RowInputs, shape: Shape) -> ControlLyapunov:
 
 def _build_cones(inputs: RowInputs, lyapunov: ControlLyapunov) -> tuple[ConeRate, ...]:
     """The forms of all cones; products of four numbers occur."""
-    found = []
+    rates = []
     for cone in inputs.fan:
         rays: Any = tuple((late(x), late(y)) for x, y in (cone.start, cone.end))
         for state in cone.cell.states:
             fields: Any = tuple(tuple(late(entry) for entry in field) for field in state.control_fields.values())
-            found.append(ConeRate(rays, fields, lyapunov))
-    return tuple(found)
+            rates.append(ConeRate(rays, fields, lyapunov))
+    return tuple(rates)
 
 
 def _in_floats(cones: Sequence[ConeRate], length: Fraction) -> tuple[list[ConeRate], int]:
@@ -389,14 +389,14 @@ def build_limited_rate(inputs: RowInputs, rate: FeedbackRate | None, lyapunov: C
         return None
     least, kappa = min(entry.limit for entry in acting), rate.kappa
     free = rounded_down(min(entry.proposed_level() for entry in acting))
-    found = (
+    bounds = (
         confirmed(free, lambda value: all(entry.is_free(value) for entry in acting)),
         confirmed(rounded_down(float(least) ** 2 / float(kappa)), lambda held: least * least >= held * kappa),
         confirmed(rounded_down(float(least) * float(kappa) ** 0.5), lambda v: v * v <= least * least * kappa),
         _level_nearby(inputs, rate, lyapunov),
     )
-    numbers = [number for number in found if number is not None and number > 0]
-    return LimitedRate(*numbers) if len(numbers) == len(found) else None
+    numbers = [number for number in bounds if number is not None and number > 0]
+    return LimitedRate(*numbers) if len(numbers) == len(bounds) else None
 
 
 def level_with_rate(inputs: RowInputs, rate: FeedbackRate, region: LevelRegion) -> Fraction | None:

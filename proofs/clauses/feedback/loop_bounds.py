@@ -318,7 +318,7 @@ def _bounded(proposal: Fraction, holds: Callable[[Fraction], bool], factor: Frac
     Raises:
         ValueError: where rounding spoils what floats propose.
     """
-    found = confirmed(proposal, holds, factor, tries=1000)
-    if found is None:
+    bound = confirmed(proposal, holds, factor, tries=1000)
+    if bound is None:
         raise ValueError("required numbers within the precision of floats")
-    return found
+    return bound

@@ -247,15 +247,15 @@ def candidates_of(scene: Scene, region: LoadRegion, enough: int = ENOUGH) -> tup
     impose = imposer(scene, region)
     if math.comb(len(scene.wheels), 2) > most:
         return _promising_candidates(scene, region, impose, most), False
-    found: list[ImposedTwist] = []
+    candidates: list[ImposedTwist] = []
     for twist in candidate_twists(scene):
-        if len(found) >= most:
-            return found, False
-        found.append(impose(twist))
-        may_end = len(found) > min(enough, most // FEW_OF)
-        if may_end and found[-1].is_unique and rank_of(unique_ones(found)) == 3:
-            return found, False
-    return found, True
+        if len(candidates) >= most:
+            return candidates, False
+        candidates.append(impose(twist))
+        may_end = len(candidates) > min(enough, most // FEW_OF)
+        if may_end and candidates[-1].is_unique and rank_of(unique_ones(candidates)) == 3:
+            return candidates, False
+    return candidates, True
 
 
 def _promising_candidates(
@@ -263,17 +263,17 @@ def _promising_candidates(
 ) -> list[ImposedTwist]:
     """Candidates off the span of the unique minimizers found so far, until there are three; then those that may tie."""
     proposals = PromisingTwists(scene, region)
-    found: list[ImposedTwist] = []
+    candidates: list[ImposedTwist] = []
     unique: list[Triple] = []
-    while len(unique) < 3 and len(found) < most // 2:
+    while len(unique) < 3 and len(candidates) < most // 2:
         twist = proposals.next(unique)
         if twist is None:
             break
-        found.append(impose(twist))
-        unique += [twist] if found[-1].is_unique else []
+        candidates.append(impose(twist))
+        unique += [twist] if candidates[-1].is_unique else []
     if len(unique) < 3:
-        found += map(impose, proposals.ties(unique, TIES))
-    return found
+        candidates += map(impose, proposals.ties(unique, TIES))
+    return candidates
 
 
 def with_exclusions(candidates: Sequence[ImposedTwist]) -> list[ImposedTwist]:

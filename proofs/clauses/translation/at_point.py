@@ -519,13 +519,13 @@ def _why_open(decay: DecayUnderLoads) -> str:
     return "bounds of trace and determinant over all loads do not show that the linearization is Hurwitz"
 
 
-def decays_everywhere(found: EveryLoadTranslation) -> bool:
+def decays_everywhere(translation: EveryLoadTranslation) -> bool:
     """Whether the twist is of the order of the distance under every load, so that it adds up to little on the way."""
-    decay = _decay(found.point)
-    return found.verdict is Translation.ASYMPTOTICALLY_STABLE and decay is not None and decay.soft_load is None
+    decay = _decay(translation.point)
+    return translation.verdict is Translation.ASYMPTOTICALLY_STABLE and decay is not None and decay.soft_load is None
 
 
-def soft_load_of(found: EveryLoadTranslation) -> Loads | None:
+def soft_load_of(translation: EveryLoadTranslation) -> Loads | None:
     """A load under which the motion near the point is not determined to first order."""
-    decay = _decay(found.point)
+    decay = _decay(translation.point)
     return None if decay is None else decay.soft_load

@@ -152,14 +152,14 @@ def _sampled(sampled: SampledDerivative | None) -> Iterator[Fact]:
 
 def _quadratic(result: AnyTranslation) -> Iterator[Fact]:
     """The Lyapunov function ``c^T P c`` that serves where ``|c|^2`` does not."""
-    found = result.quadratic
-    if found is None:
+    quadratic = result.quadratic
+    if quadratic is None:
         yield Fact("quadratic")
         return
-    decay = float(found.decay)
-    record = {"lyapunov": str(found), "decay": decay, "level": Quantity(found.level)}
-    yield Fact("quadratic", record, f"V = {found} decreases: V* <= -{float_text(decay, 4)} |c|")
-    yield said("region: V < {}", found.level)
+    decay = float(quadratic.decay)
+    record = {"lyapunov": str(quadratic), "decay": decay, "level": Quantity(quadratic.level)}
+    yield Fact("quadratic", record, f"V = {quadratic} decreases: V* <= -{float_text(decay, 4)} |c|")
+    yield said("region: V < {}", quadratic.level)
 
 
 def _support(result: AnyTranslation) -> Iterator[Fact]:

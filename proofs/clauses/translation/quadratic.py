@@ -181,13 +181,13 @@ def find_quadratic(
     if wide is None:
         return None
     trial = QuadraticCertificate(wide.shape, wide.decay, cones[0].start[0].field.one, cones)
-    found = replace(trial, level=min([trial.largest_level(), *(trial.least_on(p, q) for p, q in border)]))
-    swift = _descent(cones, propose_swift_shape(cones, found.swing_radius))
-    swifter = replace(found, swift=swift)
+    certificate = replace(trial, level=min([trial.largest_level(), *(trial.least_on(p, q) for p, q in border)]))
+    swift = _descent(cones, propose_swift_shape(cones, certificate.swing_radius))
+    swifter = replace(certificate, swift=swift)
     if swift is not None and swifter.speed(swift) > 0:
-        found = min(found, swifter, key=lambda decrease: decrease.arrival_per_distance)
-    falls = found.speed(found.swift or found.descent) > 0
-    return found if falls and sign(found.level) > 0 else None
+        certificate = min(certificate, swifter, key=lambda decrease: decrease.arrival_per_distance)
+    falls = certificate.speed(certificate.swift or certificate.descent) > 0
+    return certificate if falls and sign(certificate.level) > 0 else None
 
 
 def _descent(cones: Sequence[CellCone], proposal: tuple[float, float] | None) -> QuadraticDecrease | None:
