@@ -203,7 +203,7 @@ def _terms(tree: ast.expr, factor: Fraction) -> Iterator[tuple[Fraction, ast.exp
 # ---- polynomials in the states and in values of functions ----------------------------------------
 
 
-MOST_TERMS = 100_000  # of a product, before equal ones are added up
+MOST_TERMS = 20_000  # of a product, before equal ones are added up
 JUMPING = ("sgn", "1/", "**")  # all other functions are continuous
 
 
@@ -221,10 +221,10 @@ class _Field:
 
     def __init__(self, system: ReducedSystem) -> None:
         sides = [side for sides in system.lists for side in sides]
-        nodes = [node for side in sides for node in ast.walk(side)]
-        most = sum(len(node.args) for node in nodes if isinstance(node, ast.Call))
-        most += sum(isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div | ast.Pow) for node in nodes)
-        names = (*system.states, *(f"#{k}" for k in range(2 * most + 1)))  # of all numbers pi is one
+        parts = [node for side in sides for node in ast.walk(side) if isinstance(node, ast.Call | ast.BinOp)]
+        distinct = {written(node): node for node in parts}.values()
+        most = sum(len(node.args) if isinstance(node, ast.Call) else 1 for node in distinct)
+        names = (*system.states, *(f"#{k}" for k in range(most + 1)))  # the last one is pi
         context = fmpq_mpoly_ctx.get(names, Ordering.lex)
         self._count, self._unknowns = len(system.states), context.gens()
         self._numbers: dict[tuple[str, str], int] = {}
